@@ -1,0 +1,49 @@
+"""Exceptions that the package raises on purpose, each with one clear sentence."""
+
+from __future__ import annotations
+
+import importlib
+from types import ModuleType
+
+
+class MeshError(ValueError):
+    """A mesh that cannot be used: the message names what is wrong, where and how often."""
+
+
+class NonManifoldError(MeshError):
+    """A mesh whose edges or vertices are not those of a surface."""
+
+
+class DisconnectedError(MeshError):
+    """A mesh in several pieces where one piece is needed."""
+
+
+class MissingPackageError(ImportError):
+    """An optional package that is not installed: the message holds the ``pip install`` that brings it."""
+
+
+def require_package(module: str, extra: str, purpose: str) -> ModuleType:
+    """Imported optional module.
+
+    Parameters
+    ----------
+    module : str
+        Name as in an import statement.
+    extra : str
+        The extra of this package that brings it.
+    purpose : str
+        What needs it, the subject of the error's sentence.
+
+    Raises
+    ------
+    MissingPackageError
+        If it is not installed, or installed and broken (then the system's own message is quoted).
+    """
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        raise MissingPackageError(
+            f"{purpose} needs {module}, which is not installed: pip install 'qgeo-filters[{extra}]'"
+        ) from error
+    except ImportError as error:
+        raise MissingPackageError(f"{purpose} needs {module}, which is installed but does not load: {error}") from error

@@ -1,0 +1,298 @@
+"""A validated triangle mesh: the ground floor that every algorithm of the package stands on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from os import PathLike
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters import connectivity
+from qgeo_filters.errors import DisconnectedError, MeshError, NonManifoldError
+from qgeo_filters.validation import checked_attributes, checked_faces, checked_vertices, frozen, listed
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int32]
+
+
+class Surface:
+    """A triangle mesh whose arrays are known to be good.
+
+    Parameters
+    ----------
+    vertices : array-like, shape (n, 3)
+        Coordinates, in any unit of length. Copied to float64.
+    faces : array-like, shape (m, 3)
+        Vertex indices from 0. Copied to int32.
+    attributes : mapping of str to array-like, shape (n,) or (n, ...), optional
+        Named values per vertex. Copied.
+
+    Raises
+    ------
+    MeshError
+        Empty, wrong shape, coordinates that are not finite, indices out of range, a face that names a
+        vertex twice, an attribute of the wrong length. The message says which index and how many.
+
+    Notes
+    -----
+    Immutable: all arrays are read-only, derived quantities are computed once, on first use. A mesh that
+    is not manifold, in several pieces or not orientable can be held and described; whatever needs more
+    says so through `require_manifold` and `require_connected`.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    attributes: Mapping[str, np.ndarray]
+
+    def __init__(
+        self,
+        vertices: npt.ArrayLike,
+        faces: npt.ArrayLike,
+        attributes: Mapping[str, npt.ArrayLike] | None = None,
+    ) -> None:
+        self.vertices = frozen(checked_vertices(vertices))
+        self.faces = frozen(checked_faces(faces, len(self.vertices)))
+        self.attributes = checked_attributes(attributes or {}, len(self.vertices))
+
+    def __repr__(self) -> str:
+        names = f", attributes={sorted(self.attributes)}" if self.attributes else ""
+        return f"Surface({self.n_vertices} vertices, {self.n_faces} faces{names})"
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"vertices": self.vertices, "faces": self.faces, "attributes": dict(self.attributes)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__init__(**state)  # type: ignore[misc]
+
+    # -- making others ------------------------------------------------------------------------------
+
+    @classmethod
+    def read(cls, path: str | PathLike[str], *, repair: bool = False) -> Surface:
+        """Surface from a file (OFF, OBJ, PLY, STL, GLB, TOSCA's .vert/.tri and .mat), see `interop.files`."""
+        from qgeo_filters.interop.files import read_surface
+
+        return read_surface(path, repair=repair)
+
+    def write(self, path: str | PathLike[str]) -> None:
+        """Write to a file, atomically; PLY keeps every attribute, see `interop.files`."""
+        from qgeo_filters.interop.files import write_surface
+
+        write_surface(self, path)
+
+    def with_attributes(self, attributes: Mapping[str, npt.ArrayLike]) -> Surface:
+        """Surface with these attributes added, equal names replaced. Derived quantities are shared."""
+        other = object.__new__(Surface)
+        other.__dict__.update(self.__dict__)
+        other.attributes = MappingProxyType({**self.attributes, **checked_attributes(attributes, self.n_vertices)})
+        return other
+
+    def with_vertices(self, vertices: npt.ArrayLike) -> Surface:
+        """Surface of the same faces and attributes at other positions: another pose."""
+        if np.shape(vertices) != self.vertices.shape:
+            raise MeshError(f"the pose has shape {np.shape(vertices)}, expected {self.vertices.shape}")
+        return Surface(vertices, self.faces, self.attributes)
+
+    def submesh(self, keep: npt.NDArray[np.bool_]) -> tuple[Surface, npt.NDArray[np.int64]]:
+        """Part of the surface on the kept vertices, and the original index of each of its vertices."""
+        origin = np.flatnonzero(keep)
+        renumbered = np.full(self.n_vertices, -1, dtype=np.int32)
+        renumbered[origin] = np.arange(len(origin))
+        faces = renumbered[self.faces]
+        faces = faces[(faces >= 0).all(axis=1)]
+        attributes = {name: values[origin] for name, values in self.attributes.items()}
+        return Surface(self.vertices[origin], faces, attributes), origin
+
+    def largest_component(self) -> tuple[Surface, npt.NDArray[np.int64]]:
+        """Piece of largest area, and the original index of each of its vertices."""
+        _, labels = self.components
+        area = np.bincount(labels, weights=self.vertex_areas)
+        return self.submesh(labels == area.argmax())
+
+    # -- sizes --------------------------------------------------------------------------------------
+
+    @property
+    def n_vertices(self) -> int:
+        """Number of vertices, those without faces included."""
+        return len(self.vertices)
+
+    @property
+    def n_faces(self) -> int:
+        """Number of triangles."""
+        return len(self.faces)
+
+    # -- metric quantities --------------------------------------------------------------------------
+
+    @cached_property
+    def edge_lengths(self) -> FloatArray:
+        """Length of each edge, shape (E,), in the unit of the vertices."""
+        a, b = self.edges.T
+        return frozen(np.linalg.norm(self.vertices[a] - self.vertices[b], axis=1))
+
+    @cached_property
+    def _face_crosses(self) -> FloatArray:
+        a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
+        return frozen(np.cross(b - a, c - a))
+
+    @cached_property
+    def face_areas(self) -> FloatArray:
+        """Area of each triangle, shape (m,)."""
+        return frozen(0.5 * np.linalg.norm(self._face_crosses, axis=1))
+
+    @cached_property
+    def area(self) -> float:
+        """Total area; ``sqrt(area)`` is the package's unit of length for parameters without a unit."""
+        return float(self.face_areas.sum())
+
+    @cached_property
+    def vertex_areas(self) -> FloatArray:
+        """Barycentric area of each vertex (a third of its triangles), shape (n,); they sum to `area`."""
+        return frozen(np.bincount(self.faces.ravel(), np.repeat(self.face_areas / 3, 3), minlength=self.n_vertices))
+
+    @cached_property
+    def face_normals(self) -> FloatArray:
+        """Unit normal of each triangle, shape (m, 3); zero where the triangle has no area."""
+        length = np.linalg.norm(self._face_crosses, axis=1, keepdims=True)
+        return frozen(np.divide(self._face_crosses, length, out=np.zeros_like(self._face_crosses), where=length > 0))
+
+    @cached_property
+    def corner_angles(self) -> FloatArray:
+        """Angle of each triangle at each of its corners, shape (m, 3), radians."""
+        angles = np.empty(self.faces.shape)
+        for k in range(3):
+            p, q, r = (self.vertices[self.faces[:, (k + j) % 3]] for j in range(3))
+            u, v = q - p, r - p
+            # atan2 keeps full precision near 0 and pi, where arccos loses half of the digits.
+            angles[:, k] = np.arctan2(np.linalg.norm(np.cross(u, v), axis=1), np.einsum("ij,ij->i", u, v))
+        return frozen(angles)
+
+    @cached_property
+    def vertex_normals(self) -> FloatArray:
+        """Angle-weighted unit normal of each vertex, shape (n, 3); zero without faces."""
+        total = np.zeros_like(self.vertices)
+        for k in range(3):
+            np.add.at(total, self.faces[:, k], self.corner_angles[:, k, None] * self.face_normals)
+        length = np.linalg.norm(total, axis=1, keepdims=True)
+        return frozen(np.divide(total, length, out=np.zeros_like(total), where=length > 0))
+
+    # -- connectivity -------------------------------------------------------------------------------
+
+    @cached_property
+    def _edge_table(self) -> tuple[IntArray, IntArray, npt.NDArray[np.int64]]:
+        edges, face_edges, counts = connectivity.unique_edges(self.faces)
+        return frozen(edges), frozen(face_edges), frozen(counts)
+
+    @property
+    def edges(self) -> IntArray:
+        """Undirected edges, shape (E, 2), smaller vertex first."""
+        return self._edge_table[0]
+
+    @property
+    def face_edges(self) -> IntArray:
+        """Edge of each half-edge, shape (m, 3); half-edge k runs from corner k to corner k + 1."""
+        return self._edge_table[1]
+
+    @cached_property
+    def twins(self) -> IntArray:
+        """Half-edge across each half-edge as ``3 f + k``, shape (m, 3); -1 on the boundary."""
+        return frozen(connectivity.halfedge_twins(self.faces, self.face_edges, len(self.edges)))
+
+    @cached_property
+    def components(self) -> tuple[int, IntArray]:
+        """Number of pieces and the piece of each vertex; a vertex without faces counts as one."""
+        count, labels = connectivity.vertex_components(self.edges, self.n_vertices)
+        return count, frozen(labels)
+
+    @cached_property
+    def unreferenced_vertices(self) -> npt.NDArray[np.int64]:
+        """Vertices that no face names."""
+        return frozen(np.flatnonzero(np.bincount(self.faces.ravel(), minlength=self.n_vertices) == 0))
+
+    @cached_property
+    def boundary_edges(self) -> npt.NDArray[np.int64]:
+        """Indices of the edges with one face."""
+        return frozen(np.flatnonzero(self._edge_table[2] == 1))
+
+    @property
+    def boundary_vertices(self) -> IntArray:
+        """Vertices on the boundary, in increasing order."""
+        return np.unique(self.edges[self.boundary_edges])
+
+    @cached_property
+    def boundary_loops(self) -> list[IntArray]:
+        """Boundary curves as vertex chains, longest first."""
+        return connectivity.boundary_loops(self.edges[self.boundary_edges])
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether no edge has fewer than two faces."""
+        return self.boundary_edges.size == 0
+
+    @cached_property
+    def nonmanifold_edges(self) -> npt.NDArray[np.int64]:
+        """Indices of the edges with three faces or more."""
+        return frozen(np.flatnonzero(self._edge_table[2] > 2))
+
+    @cached_property
+    def nonmanifold_vertices(self) -> npt.NDArray[np.int64]:
+        """Vertices whose faces form more than one fan."""
+        return frozen(connectivity.nonmanifold_vertices(self.faces, self.twins, self.n_vertices))
+
+    @property
+    def is_manifold(self) -> bool:
+        """Whether every edge has at most two faces and every vertex one fan of faces."""
+        return self.nonmanifold_edges.size == 0 and self.nonmanifold_vertices.size == 0
+
+    @cached_property
+    def is_oriented(self) -> bool:
+        """Whether neighbouring faces agree on which side is out."""
+        return connectivity.flipped_edges(self.faces, self.twins).size == 0
+
+    @property
+    def euler_characteristic(self) -> int:
+        """V - E + F over the vertices that have faces."""
+        return self.n_vertices - self.unreferenced_vertices.size - len(self.edges) + self.n_faces
+
+    @property
+    def genus(self) -> int | None:
+        """Handles, summed over the pieces, boundary loops capped; None for what is no oriented surface."""
+        if not (self.is_manifold and self.is_oriented):
+            return None
+        pieces = self.components[0] - self.unreferenced_vertices.size
+        return (2 * pieces - self.euler_characteristic - len(self.boundary_loops)) // 2
+
+    # -- requirements -------------------------------------------------------------------------------
+
+    def require_manifold(self, purpose: str) -> None:
+        """Raise `NonManifoldError`, naming the first offending edge or vertex, unless manifold."""
+        bad = self.nonmanifold_edges
+        if bad.size:
+            a, b = self.edges[bad[0]].tolist()
+            count = int(self._edge_table[2][bad[0]])
+            raise NonManifoldError(
+                f"{purpose} needs a manifold mesh, but edge ({a}, {b}) has {count} faces "
+                f"({bad.size} such {'edge' if bad.size == 1 else 'edges'}); repair=True splits or removes them"
+            )
+        bad = self.nonmanifold_vertices
+        if bad.size:
+            raise NonManifoldError(
+                f"{purpose} needs a manifold mesh, but the faces at vertex {bad[0]} form more than one fan "
+                f"({bad.size} such {'vertex' if bad.size == 1 else 'vertices'}: {listed(bad)}); "
+                "repair=True splits them"
+            )
+
+    def require_connected(self, purpose: str) -> None:
+        """Raise `DisconnectedError`, with the sizes of the pieces, unless all vertices are connected."""
+        count, labels = self.components
+        if count == 1:
+            return
+        sizes = np.sort(np.bincount(labels))[::-1]
+        loose = self.unreferenced_vertices
+        without = f", {loose.size} of them single vertices without faces ({listed(loose)})" if loose.size else ""
+        raise DisconnectedError(
+            f"{purpose} needs a mesh in one piece, but there are {count} pieces of {listed(sizes)} vertices"
+            f"{without}; take surface.largest_component()[0], or repair=True"
+        )

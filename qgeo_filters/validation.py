@@ -1,0 +1,107 @@
+"""Checks of arrays that come from outside: what is wrong, at which index, how often."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.errors import MeshError
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int32]
+
+
+def frozen(array: np.ndarray) -> np.ndarray:
+    """The same array, read-only from now on."""
+    array.setflags(write=False)
+    return array
+
+
+def listed(indices: npt.ArrayLike, limit: int = 5) -> str:
+    """First few indices for an error message."""
+    values = np.atleast_1d(np.asarray(indices)).tolist()
+    return ", ".join(map(str, values[:limit])) + (", ..." if len(values) > limit else "")
+
+
+def checked_vertices(vertices: npt.ArrayLike) -> FloatArray:
+    """Copy of the coordinates as (n, 3) float64, or `MeshError`."""
+    array = np.array(vertices, dtype=np.float64, order="C")
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise MeshError(f"vertices must have shape (n, 3), got {array.shape}")
+    if len(array) == 0:
+        raise MeshError("the mesh has no vertices")
+    bad = np.flatnonzero(~np.isfinite(array).all(axis=1))
+    if bad.size:
+        raise MeshError(
+            f"vertices[{bad[0]}] is {array[bad[0]].tolist()}: coordinates must be finite "
+            f"({bad.size} such {'vertex' if bad.size == 1 else 'vertices'})"
+        )
+    extent = float(np.ptp(array, axis=0).max())
+    if not extent < 1e100 or (0 < extent < 1e-100):
+        raise MeshError(f"the mesh is {extent:g} units wide, where squares of lengths leave float64; rescale it")
+    return array
+
+
+def checked_faces(faces: npt.ArrayLike, n_vertices: int) -> IntArray:
+    """Copy of the vertex indices as (m, 3) int32, or `MeshError`."""
+    array = np.asarray(faces)
+    if array.ndim != 2 or array.shape[1] != 3:
+        hint = " (quadrilaterals? triangulate the mesh first)" if array.ndim == 2 and array.shape[1] == 4 else ""
+        raise MeshError(f"faces must have shape (m, 3), got {array.shape}{hint}")
+    if len(array) == 0:
+        raise MeshError("the mesh has no faces")
+    if array.dtype.kind not in "iu" and (array.dtype.kind != "f" or not np.all(array == np.floor(array))):
+        raise MeshError(f"faces must hold whole numbers, got dtype {array.dtype}")
+    outside = np.flatnonzero(((array < 0) | (array >= n_vertices)).any(axis=1))
+    if outside.size:
+        face = array[outside[0]]
+        vertex = int(face[(face < 0) | (face >= n_vertices)][0])
+        raise MeshError(
+            f"faces[{outside[0]}] refers to vertex {vertex}, but there are {n_vertices} vertices, numbered "
+            f"from 0 ({outside.size} such {'face' if outside.size == 1 else 'faces'})"
+        )
+    repeated = np.flatnonzero((array == np.roll(array, 1, axis=1)).any(axis=1))
+    if repeated.size:
+        raise MeshError(
+            f"faces[{repeated[0]}] = {array[repeated[0]].astype(int).tolist()} names a vertex twice "
+            f"({repeated.size} such {'face' if repeated.size == 1 else 'faces'}); remove them, "
+            "or load the mesh with repair=True"
+        )
+    return np.array(array, dtype=np.int32, order="C")
+
+
+def checked_attributes(attributes: Mapping[str, npt.ArrayLike], n_vertices: int) -> Mapping[str, np.ndarray]:
+    """Read-only copies of per-vertex values, or `MeshError` where a length is not the number of vertices."""
+    checked = {}
+    for name, values in attributes.items():
+        array = np.array(values)
+        if array.ndim == 0 or len(array) != n_vertices:
+            raise MeshError(f"attribute {name!r} has shape {array.shape}, but there are {n_vertices} vertices")
+        checked[str(name)] = frozen(array)
+    return MappingProxyType(checked)
+
+
+def checked_index(index: int, count: int, name: str) -> int:
+    """The index as an int in range, or `MeshError`."""
+    if not isinstance(index, (int, np.integer)) or isinstance(index, bool):
+        raise MeshError(f"{name} must be a vertex index, got {index!r}")
+    if not 0 <= index < count:
+        raise MeshError(f"{name} is vertex {index}, but there are {count} vertices, numbered from 0")
+    return int(index)
+
+
+def checked_indices(indices: npt.ArrayLike, count: int, name: str) -> npt.NDArray[np.int64]:
+    """One-dimensional array of vertex indices in range, or `MeshError`."""
+    array = np.atleast_1d(np.asarray(indices))
+    if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
+        raise MeshError(f"{name} must be vertex indices in one dimension, got {array.dtype} of shape {array.shape}")
+    bad = np.flatnonzero((array < 0) | (array >= count))
+    if bad.size:
+        raise MeshError(
+            f"{name}[{bad[0]}] is vertex {array[bad[0]]}, but there are {count} vertices, numbered from 0 "
+            f"({bad.size} such {'index' if bad.size == 1 else 'indices'})"
+        )
+    return array.astype(np.int64)
