@@ -1,0 +1,24 @@
+"""Fixtures shared by all tests: real data where it is present, and read-only arrays."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def shared_data() -> Path:
+    """Folder of the evaluation data: $QGEO_DATA, or ../shared/data beside the checkout."""
+    return Path(os.environ.get("QGEO_DATA", ROOT.parent / "shared" / "data"))
+
+
+@pytest.fixture(scope="session")
+def data_dir() -> Path:
+    """Folder of the evaluation data; the test is skipped, saying so, where it is absent."""
+    folder = shared_data()
+    if not folder.is_dir():
+        pytest.skip(f"evaluation data not found at {folder} (set QGEO_DATA)")
+    return folder

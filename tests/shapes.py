@@ -1,0 +1,126 @@
+"""Analytic and deliberately bad meshes, as (vertices, faces)."""
+
+from __future__ import annotations
+
+import igl
+import numpy as np
+
+
+def grid(n: int = 10, jitter: float = 0.0, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Unit square in the plane z = 0 with n x n cells; interior vertices moved by up to ``jitter`` cells."""
+    x, y = np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1), indexing="ij")
+    vertices = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+    if jitter:
+        inside = ((vertices[:, :2] > 1e-9) & (vertices[:, :2] < 1 - 1e-9)).all(axis=1)
+        noise = np.random.default_rng(seed).uniform(-jitter, jitter, (inside.sum(), 2)) / n
+        vertices[inside, :2] += noise
+    i, j = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
+    a = (i * (n + 1) + j).ravel()
+    b, c, d = a + n + 1, a + n + 2, a + 1
+    faces = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+    return vertices, faces.astype(np.int32)
+
+
+def icosphere(level: int = 3, radius: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """Icosahedron refined ``level`` times, vertices on the sphere."""
+    t = (1 + 5**0.5) / 2
+    vertices = np.array(
+        [[-1, t, 0], [1, t, 0], [-1, -t, 0], [1, -t, 0], [0, -1, t], [0, 1, t],
+         [0, -1, -t], [0, 1, -t], [t, 0, -1], [t, 0, 1], [-t, 0, -1], [-t, 0, 1]], dtype=float,
+    )  # fmt: skip
+    faces = np.array(
+        [[0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11], [1, 5, 9], [5, 11, 4], [11, 10, 2],
+         [10, 7, 6], [7, 1, 8], [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9], [4, 9, 5],
+         [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1]], dtype=np.int64,
+    )  # fmt: skip
+    for _ in range(level):
+        vertices, faces = igl.upsample(vertices, faces)
+        vertices /= np.linalg.norm(vertices, axis=1, keepdims=True)
+    vertices /= np.linalg.norm(vertices, axis=1, keepdims=True)
+    return radius * vertices, faces.astype(np.int32)
+
+
+def cylinder(n_around: int = 40, n_along: int = 20, radius: float = 1.0, height: float = 2.0) -> tuple:
+    """Open cylinder about the z axis."""
+    angle = np.linspace(0, 2 * np.pi, n_around, endpoint=False)
+    z = np.linspace(0, height, n_along + 1)
+    vertices = np.array([[radius * np.cos(t), radius * np.sin(t), h] for h in z for t in angle])
+    faces = []
+    for i in range(n_along):
+        for j in range(n_around):
+            a, b = i * n_around + j, i * n_around + (j + 1) % n_around
+            c, d = a + n_around, b + n_around
+            faces += [[a, b, d], [a, d, c]]
+    return vertices, np.array(faces, dtype=np.int32)
+
+
+def cone(n_around: int = 40, n_along: int = 20, slope: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """Open cone with apex (vertex 0) at the origin, z = slope * r, r up to 1."""
+    angle = np.linspace(0, 2 * np.pi, n_around, endpoint=False)
+    rings = [[r * np.cos(t), r * np.sin(t), slope * r] for r in np.arange(1, n_along + 1) / n_along for t in angle]
+    vertices = np.array([[0.0, 0.0, 0.0], *rings])
+    faces = [[0, 1 + j, 1 + (j + 1) % n_around] for j in range(n_around)]
+    for i in range(n_along - 1):
+        for j in range(n_around):
+            a, b = 1 + i * n_around + j, 1 + i * n_around + (j + 1) % n_around
+            c, d = a + n_around, b + n_around
+            faces += [[a, d, b], [a, c, d]]
+    return vertices, np.array(faces, dtype=np.int32)
+
+
+def torus(n_around: int = 40, n_tube: int = 20, radius: float = 1.0, tube: float = 0.4) -> tuple:
+    """Closed torus about the z axis."""
+    u, v = np.meshgrid(np.arange(n_around), np.arange(n_tube), indexing="ij")
+    s, t = 2 * np.pi * u.ravel() / n_around, 2 * np.pi * v.ravel() / n_tube
+    ring = radius + tube * np.cos(t)
+    vertices = np.column_stack([ring * np.cos(s), ring * np.sin(s), tube * np.sin(t)])
+    a = (u * n_tube + v).ravel()
+    b = (((u + 1) % n_around) * n_tube + v).ravel()
+    c = (((u + 1) % n_around) * n_tube + (v + 1) % n_tube).ravel()
+    d = (u * n_tube + (v + 1) % n_tube).ravel()
+    return vertices, np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])]).astype(np.int32)
+
+
+def blob(level: int = 3, seed: int = 0, strength: float = 0.35) -> tuple[np.ndarray, np.ndarray]:
+    """Closed smooth shape without any symmetry: a sphere displaced by a few random harmonics."""
+    vertices, faces = icosphere(level)
+    rng = np.random.default_rng(seed)
+    radius = np.ones(len(vertices))
+    for degree in (1, 2, 3):
+        for _ in range(3):
+            axis = rng.normal(size=3)
+            axis /= np.linalg.norm(axis)
+            radius += strength / 3 * rng.normal() * np.cos(degree * np.arccos(np.clip(vertices @ axis, -1, 1)))
+    return vertices * np.maximum(radius, 0.3)[:, None], faces
+
+
+def moebius(n: int = 40, width: int = 4) -> tuple[np.ndarray, np.ndarray]:
+    """Moebius band: manifold, not orientable."""
+    s = np.linspace(-0.3, 0.3, width + 1)
+    angle = np.linspace(0, 2 * np.pi, n, endpoint=False)
+    vertices = np.array(
+        [[(1 + w * np.cos(t / 2)) * np.cos(t), (1 + w * np.cos(t / 2)) * np.sin(t), w * np.sin(t / 2)]
+         for t in angle for w in s]
+    )  # fmt: skip
+    faces = []
+    for i in range(n):
+        for j in range(width):
+            a, b = i * (width + 1) + j, i * (width + 1) + j + 1
+            if i + 1 < n:
+                c, d = a + width + 1, b + width + 1
+            else:
+                c, d = width - j, width - j - 1
+            faces += [[a, c, b], [b, c, d]]
+    return vertices, np.array(faces, dtype=np.int32)
+
+
+def bow_tie() -> tuple[np.ndarray, np.ndarray]:
+    """Two triangles that share one vertex only."""
+    vertices = np.array([[0, 0, 0], [1, 1, 0], [1, -1, 0], [-1, 1, 0], [-1, -1, 0]], dtype=float)
+    return vertices, np.array([[0, 2, 1], [0, 3, 4]], dtype=np.int32)
+
+
+def fan() -> tuple[np.ndarray, np.ndarray]:
+    """Three triangles on one edge."""
+    vertices = np.array([[0, 0, 0], [0, 0, 1], [1, 0, 0], [-1, 1, 0], [-1, -1, 0]], dtype=float)
+    return vertices, np.array([[0, 1, 2], [0, 1, 3], [0, 1, 4]], dtype=np.int32)
