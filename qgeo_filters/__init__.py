@@ -1,4 +1,68 @@
 """Curvature-guided quasi-geodesics, their spectrum, self-symmetry and correspondence for triangle meshes.
 
-``import qgeo_filters as qg``; every public name is loaded on first use, so that the import is quick.
+``import qgeo_filters as qg``. Every public name is loaded on first use, so that the import itself is quick
+and needs no optional package.
 """
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "Surface": "surface",
+    "LiftedMetric": "geodesics.metric",
+    "MeshError": "errors",
+    "NonManifoldError": "errors",
+    "DisconnectedError": "errors",
+    "MissingPackageError": "errors",
+    "as_surface": "interop",
+    "repair_surface": "interop.repair",
+    "cache": "caching",
+    # functions on a surface
+    "differential_coordinates": "differential.coordinates",
+    "vertex_normals": "differential.normals",
+    "surface_scalar": "differential.curvature",
+    "principal_curvatures": "differential.curvature",
+    "lifted_metric": "geodesics.lifting",
+    "distances": "geodesics.matrix",
+    "distance_matrix": "geodesics.matrix",
+    "distance_spectrum": "spectral.distance_spectrum",
+    "laplacian_spectrum": "spectral.laplacian",
+    "Spectrum": "spectral.distance_spectrum",
+    "warmup": "geodesics.warmup",
+    # filters
+    "Filter": "filters.base",
+    "Pipeline": "filters.pipeline",
+    "DifferentialCoordinates": "filters.differential",
+    "CorrectedNormals": "filters.differential",
+    "SurfaceScalar": "filters.differential",
+    "PrincipalCurvatures": "filters.differential",
+    "QuasiGeodesicDistances": "filters.geodesics",
+    "QuasiGeodesicSpectrum": "filters.spectral",
+    "LaplacianSpectrum": "filters.spectral",
+    "SelfSymmetry": "filters.matching",
+    "Paint": "filters.appearance",
+    "TransferAttributes": "filters.transfer",
+    "register_pymeshlab": "filters.meshlab_methods",
+}
+_MODULES = ("testing", "evaluation")
+
+__all__ = [*_HOME, *_MODULES, "__version__"]  # noqa: PLE0604
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        value = getattr(importlib.import_module(f"{__name__}.{_HOME[name]}"), name)
+    elif name in _MODULES:
+        value = importlib.import_module(f"{__name__}.{name}")
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

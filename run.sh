@@ -1,0 +1,83 @@
+#!/usr/bin/env bash
+# Sets up what is missing (system libraries, a virtual environment in .venv) and runs one of:
+#   demo [OPTIONS]   the main job on a real mesh: qgeo demo
+#   test [OPTIONS]   lint, types and all tests; options go to pytest
+#   setup EXTRA      only the environment, with this extra of pyproject.toml (all, test)
+# PYTHON chooses the interpreter (3.11 to 3.13), VENV the folder of the environment.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+venv=${VENV:-.venv}
+
+find_python() {
+    local candidate
+    for candidate in ${PYTHON:-} python3.11 python3.12 python3.13 python3; do
+        if command -v "$candidate" >/dev/null &&
+            "$candidate" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null; then
+            echo "$candidate"
+            return
+        fi
+    done
+    echo "run.sh: needs Python 3.11, 3.12 or 3.13 (set PYTHON=/path/to/python)" >&2
+    exit 2
+}
+
+# Open3D loads libusb and libGL, PyMeshLab libOpenGL; a slim image has none of them, nor libgomp and venv.
+system_libraries() {
+    local python=$1 kind=$2 missing=() library as_root=()
+    command -v apt-get >/dev/null || return 0
+    for library in libGL.so.1:libgl1 libEGL.so.1:libegl1 libOpenGL.so.0:libopengl0 libusb-1.0.so.0:libusb-1.0-0 \
+        libgomp.so.1:libgomp1 libX11.so.6:libx11-6; do
+        ldconfig -p 2>/dev/null | grep -q "${library%%:*}" || /sbin/ldconfig -p | grep -q "${library%%:*}" ||
+            missing+=("${library##*:}")
+    done
+    "$python" -c 'import ensurepip, venv' 2>/dev/null || missing+=("$(basename "$(readlink -f "$(command -v "$python")")")-venv")
+    if [ "$kind" = test ] && ! command -v chromium >/dev/null; then missing+=(chromium); fi
+    [ ${#missing[@]} -gt 0 ] || return 0
+    if [ "$(id -u)" != 0 ]; then
+        if ! sudo -n true 2>/dev/null; then
+            echo "run.sh: system packages are missing; install them with: sudo apt-get install ${missing[*]}" >&2
+            exit 2
+        fi
+        as_root=(sudo)
+    fi
+    echo "run.sh: installing ${missing[*]}"
+    "${as_root[@]}" apt-get update -qq
+    DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+setup() {
+    local extra=$1 python stamp
+    python=$(find_python)
+    system_libraries "$python" "$extra"
+    [ -x "$venv/bin/python" ] || "$python" -m venv "$venv"
+    stamp="$venv/.qgeo-$extra-$(sha256sum pyproject.toml | cut -c1-16)"
+    if [ ! -e "$stamp" ]; then
+        echo "run.sh: installing qgeo-filters[$extra] into $venv"
+        "$venv/bin/python" -m pip install -q --disable-pip-version-check -e ".[$extra]"
+        touch "$stamp"
+    fi
+}
+
+export OPEN3D_DISABLE_WEB_VISUALIZER=true # its web server is not wanted, neither here nor in a kernel
+case ${1:-} in
+demo)
+    shift
+    setup all
+    exec "$venv/bin/qgeo" demo "$@"
+    ;;
+test)
+    shift
+    setup test
+    "$venv/bin/ruff" check .
+    "$venv/bin/ruff" format --check .
+    "$venv/bin/mypy"
+    exec "$venv/bin/python" -m pytest -n 2 "$@"
+    ;;
+setup)
+    setup "${2:-all}"
+    ;;
+*)
+    sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
+    exit 2
+    ;;
+esac
