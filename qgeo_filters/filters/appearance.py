@@ -1,0 +1,83 @@
+"""Paint: an attribute as vertex colours, for viewers that know nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import matplotlib
+import numpy as np
+
+from qgeo_filters.errors import MeshError
+from qgeo_filters.filters.base import Filter, registered
+from qgeo_filters.surface import Surface
+
+
+@registered
+class Paint(Filter):
+    """Sets the vertex colours of the mesh from an attribute, where the host keeps its colours.
+
+    Parameters
+    ----------
+    attribute : str
+        Name of an attribute of the mesh, or one that an earlier step of the pipeline adds.
+    component : int, optional
+        Column of an attribute that has several; None takes the length of the vector.
+    colormap : str
+        A matplotlib colour map.
+    vmin, vmax : float, optional
+        Values of the first and last colour; the finite range of the attribute by default.
+    centred : bool
+        Same range on both sides of zero, for diverging colour maps.
+
+    Notes
+    -----
+    Values that are not finite (unreachable, carried back from nowhere) are painted grey.
+    """
+
+    outputs = {"colors": "(n, 3) float64 in [0, 1]: vertex colours, where the host keeps its own"}
+
+    def __init__(
+        self,
+        attribute: str = "qgeo_scalar",
+        component: int | None = None,
+        colormap: str = "viridis",
+        vmin: float | None = None,
+        vmax: float | None = None,
+        centred: bool = False,
+    ) -> None:
+        self.attribute = attribute
+        self.component = component
+        self.colormap = colormap
+        self.vmin = vmin
+        self.vmax = vmax
+        self.centred = centred
+
+    def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
+        """Colours by attribute name."""
+        values = self._values(surface)
+        finite = np.isfinite(values)
+        low = self.vmin if self.vmin is not None else float(values[finite].min(initial=0 if not finite.any() else np.inf))
+        high = self.vmax if self.vmax is not None else float(values[finite].max(initial=0 if not finite.any() else -np.inf))
+        if self.centred:
+            high = max(abs(low), abs(high))
+            low = -high
+        if self.colormap not in matplotlib.colormaps:
+            raise ValueError(f"unknown colour map {self.colormap!r}; see matplotlib.colormaps")
+        span = high - low
+        scaled = np.where(finite, (values - low) / span if span > 0 else 0.5, 0.0)
+        colors = matplotlib.colormaps[self.colormap](scaled)[:, :3]
+        colors[~finite] = 0.6
+        return {"colors": colors}
+
+    def _values(self, surface: Surface) -> np.ndarray:
+        if self.attribute not in surface.attributes:
+            names = ", ".join(sorted(surface.attributes)) or "none"
+            raise MeshError(f"there is no attribute {self.attribute!r} to paint; the mesh has {names}")
+        values = np.asarray(surface.attributes[self.attribute], dtype=np.float64).reshape(surface.n_vertices, -1)
+        if self.component is not None:
+            if not 0 <= self.component < values.shape[1]:
+                raise MeshError(
+                    f"attribute {self.attribute!r} has {values.shape[1]} columns, there is no component {self.component}"
+                )
+            return values[:, self.component]
+        return values[:, 0] if values.shape[1] == 1 else np.linalg.norm(values, axis=1)

@@ -1,0 +1,95 @@
+"""Filters of the lifted metric: the base of all that need it, and distances from chosen vertices."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Literal
+
+import numpy as np
+
+from qgeo_filters.differential.scalar import Scalar
+from qgeo_filters.filters import stages
+from qgeo_filters.filters.base import Filter, registered
+from qgeo_filters.geodesics.matrix import distances
+from qgeo_filters.geodesics.metric import LiftedMetric
+from qgeo_filters.surface import Surface
+
+Method = Literal["graph", "exact", "edges"]
+
+
+class MetricFilter(Filter):
+    """A filter that measures in the lifted metric.
+
+    Parameters
+    ----------
+    scalar : str, array-like of shape (n,), or callable
+        f, see `surface_scalar`.
+    curvature_weight : float
+        lambda, a fraction of sqrt(area) for each standard deviation of f; 0 is the Cartesian metric.
+    smoothing : float
+        Length over which f is averaged, as a fraction of sqrt(area).
+    method : {"graph", "exact", "edges"}
+        How distances are computed, see `distances`.
+    accuracy : float
+        Relative error bound of the graph method.
+    """
+
+    metric_: LiftedMetric
+    """The metric of the last call."""
+
+    def __init__(
+        self,
+        scalar: Scalar = "mean_curvature",
+        curvature_weight: float = 0.03,
+        smoothing: float = 0.0,
+        method: Method = "graph",
+        accuracy: float = 1e-3,
+    ) -> None:
+        self.scalar = scalar
+        self.curvature_weight = curvature_weight
+        self.smoothing = smoothing
+        self.method = method
+        self.accuracy = accuracy
+
+    def _metric(self, surface: Surface) -> LiftedMetric:
+        self.metric_ = stages.metric_of(surface, self.scalar, self.curvature_weight, self.smoothing)
+        return self.metric_
+
+
+@registered
+class QuasiGeodesicDistances(MetricFilter):
+    """Adds quasi-geodesic distances from chosen vertices.
+
+    Parameters
+    ----------
+    sources : int or sequence of int
+        Vertices to measure from. One index gives one value per vertex, a sequence one column per source.
+    scalar, curvature_weight, smoothing, method, accuracy
+        See `MetricFilter`.
+    """
+
+    outputs = {"qgeo_distance": "(n,) or (n, s), length: quasi-geodesic distance to each source; inf between pieces"}
+
+    def __init__(
+        self,
+        sources: int | Sequence[int] = 0,
+        scalar: Scalar = "mean_curvature",
+        curvature_weight: float = 0.03,
+        smoothing: float = 0.0,
+        method: Method = "graph",
+        accuracy: float = 1e-3,
+    ) -> None:
+        super().__init__(scalar, curvature_weight, smoothing, method, accuracy)
+        self.sources = sources
+
+    def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
+        """Distances by attribute name."""
+        field = distances(
+            surface,
+            np.atleast_1d(self.sources),
+            self._metric(surface),
+            self.method,
+            accuracy=self.accuracy,
+            progress=progress,
+        )
+        return {"qgeo_distance": field[0] if np.ndim(self.sources) == 0 else field.T}

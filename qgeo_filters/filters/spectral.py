@@ -1,0 +1,87 @@
+"""Filters of the descriptors: eigenspectrum of the quasi-geodesic distances, and the Laplacian's beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Literal
+
+import numpy as np
+
+from qgeo_filters.caching import cache, content_key
+from qgeo_filters.differential.scalar import Scalar
+from qgeo_filters.filters import stages
+from qgeo_filters.filters.base import Filter, registered
+from qgeo_filters.filters.geodesics import Method, MetricFilter
+from qgeo_filters.spectral.distance_spectrum import Spectrum
+from qgeo_filters.spectral.laplacian import laplacian_spectrum
+from qgeo_filters.surface import Surface
+
+
+@registered
+class QuasiGeodesicSpectrum(MetricFilter):
+    """Adds the first eigenfunctions of the all-pairs quasi-geodesic distances, the paper's shape descriptor.
+
+    Parameters
+    ----------
+    k : int
+        Number of eigenpairs, by decreasing absolute eigenvalue.
+    weights : {"area", "uniform"}
+        Eigenproblem of the integral operator, or of the plain matrix (paper, eq. (2)).
+    landmarks : int, optional
+        Number of farthest points that stand for all, for meshes whose matrix does not fit in memory.
+    scalar, curvature_weight, smoothing, method, accuracy
+        See `MetricFilter`.
+    """
+
+    outputs = {"qgeo_phi": "(n, k), 1/length: eigenfunctions of the distance operator, orthonormal over the area"}
+
+    spectrum_: Spectrum
+    """Eigenvalues and eigenfunctions of the last call."""
+
+    def __init__(
+        self,
+        k: int = 20,
+        scalar: Scalar = "mean_curvature",
+        curvature_weight: float = 0.03,
+        weights: Literal["area", "uniform"] = "area",
+        landmarks: int | None = None,
+        smoothing: float = 0.0,
+        method: Method = "graph",
+        accuracy: float = 1e-3,
+    ) -> None:
+        super().__init__(scalar, curvature_weight, smoothing, method, accuracy)
+        self.k = k
+        self.weights = weights
+        self.landmarks = landmarks
+
+    def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
+        """Eigenfunctions by attribute name."""
+        self.spectrum_ = stages.spectrum_of(
+            self._metric(surface), self.k, self.weights, self.landmarks, self.method, self.accuracy, progress
+        )
+        return {"qgeo_phi": self.spectrum_.eigenfunctions}
+
+
+@registered
+class LaplacianSpectrum(Filter):
+    """Adds the first eigenfunctions of the Laplace-Beltrami operator, for comparison.
+
+    Parameters
+    ----------
+    k : int
+        Number of eigenpairs, by increasing eigenvalue, the constant one included.
+    """
+
+    outputs = {"qgeo_laplacian_phi": "(n, k), 1/length: eigenfunctions of the Laplace-Beltrami operator"}
+
+    spectrum_: Spectrum
+    """Eigenvalues and eigenfunctions of the last call."""
+
+    def __init__(self, k: int = 20) -> None:
+        self.k = k
+
+    def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
+        """Eigenfunctions by attribute name."""
+        key = content_key("laplacian", surface.vertices, surface.faces, self.k)
+        self.spectrum_ = cache.get(key, lambda: laplacian_spectrum(surface, self.k))
+        return {"qgeo_laplacian_phi": self.spectrum_.eigenfunctions}
