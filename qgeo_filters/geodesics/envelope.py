@@ -1,0 +1,287 @@
+"""Lower envelope of the windows on one half-edge: which source is nearest where (Numba).
+
+A window is an interval [LO, HI] of a half-edge, measured from its first vertex, together with the
+pseudo-source that sees it through a strip of unfolded triangles: the source lies at abscissa SX and depth
+SY >= 0 behind the half-edge and is itself SIGMA away from the true source. Point x of the window is then
+at distance ``SIGMA + sqrt((x - SX)^2 + SY^2)`` (Mitchell, Mount, Papadimitriou, "The discrete geodesic
+problem", SIAM J. Comput. 16, 1987). Windows of a half-edge do not overlap and are kept in a linked list
+ordered by LO; a new one takes from the old ones exactly the points that it brings nearer.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+FloatArray = npt.NDArray[np.float64]
+IndexArray = npt.NDArray[np.int32]
+Flags = npt.NDArray[np.bool_]
+
+LO, HI, SX, SY, SIGMA = range(5)
+WIDTH = 8  # a window fills one cache line
+
+# Two distances closer than this, relatively, are a tie, which the window that came first keeps. Far above
+# the rounding of a strip of a thousand triangles, far below the accuracy that is promised.
+TIE = 1e-13
+# Intervals narrower than this, relative to their edge, are given to a neighbour: a path that passes a
+# point at such a distance instead of through it is longer by its square only.
+SLIVER = 1e-12
+
+
+class Pool(NamedTuple):
+    """The windows of all half-edges: rows of one array, linked into a list for each half-edge."""
+
+    windows: FloatArray  # (capacity, WIDTH)
+    follower: IndexArray  # (capacity,) next row of the list, -1 at its end; links the free rows too
+    pending: Flags  # (capacity,) not carried on yet
+    first: IndexArray  # (half-edges,) -1 where the list is empty
+    count: IndexArray  # (half-edges,) length of the list
+    free: IndexArray  # (2,) first free row, number of free rows
+
+
+@njit(cache=True, nogil=True)
+def distance_at(x: float, sx: float, sy: float, sigma: float) -> float:
+    """Distance of the point at abscissa x from the true source."""
+    return sigma + np.sqrt((x - sx) * (x - sx) + sy * sy)
+
+
+@njit(cache=True, nogil=True)
+def nearest_distance(lo: float, hi: float, sx: float, sy: float, sigma: float) -> float:
+    """Smallest distance in a window."""
+    return distance_at(min(max(sx, lo), hi), sx, sy, sigma)
+
+
+@njit(cache=True, nogil=True)
+def _lead(x: float, sx: float, sy: float, sigma: float, w: FloatArray) -> float:
+    """How much farther the newcomer is at x than window w; negative where the newcomer wins."""
+    return distance_at(x, sx, sy, sigma) - distance_at(x, w[SX], w[SY], w[SIGMA])
+
+
+@njit(cache=True, nogil=True)
+def _quadratic(a: float, b: float, sx: float, sy: float, sigma: float, w: FloatArray) -> tuple[float, float]:
+    """Abscissae where the newcomer and w may be equally far, in ascending order; NaN where there is none.
+
+    ``r - r_w = D`` with ``r^2 - r_w^2`` linear in x gives, squared once, a quadratic equation; it also has
+    the roots of ``r + r_w = |D|``, which the caller rules out by what the distances are there.
+    """
+    # About the middle of the interval the coefficients cancel least.
+    middle = 0.5 * (a + b)
+    ax, bx = sx - middle, w[SX] - middle
+    d = w[SIGMA] - sigma
+    slope = 2.0 * (bx - ax)
+    constant = (ax - bx) * (ax + bx) + (sy - w[SY]) * (sy + w[SY]) - d * d
+    if d == 0.0:  # one vertex seen through two strips: the bisector is a line
+        x = middle - constant / slope if slope != 0.0 else np.nan
+        return x, np.nan
+    p = slope * slope - 4.0 * d * d
+    q = slope * constant + 4.0 * d * d * bx
+    r = constant * constant - 4.0 * d * d * (bx * bx + w[SY] * w[SY])
+    discriminant = q * q - p * r
+    if discriminant < 0.0:
+        return np.nan, np.nan
+    t = -(q + np.copysign(np.sqrt(discriminant), q))
+    x0 = middle + t / p if p != 0.0 else np.nan
+    x1 = middle + r / t if t != 0.0 else np.nan
+    if x1 < x0:
+        return x1, x0
+    return x0, x1
+
+
+@njit(cache=True, nogil=True)
+def _crossing(a: float, b: float, margin: float, sx: float, sy: float, sigma: float, w: FloatArray) -> float:
+    """Abscissa in [a, b] where the two are equally far; one of them wins at a, the other at b."""
+    x0, x1 = _quadratic(a, b, sx, sy, sigma, w)
+    if a <= x0 <= b and abs(_lead(x0, sx, sy, sigma, w)) <= 10.0 * margin:
+        return x0
+    if a <= x1 <= b and abs(_lead(x1, sx, sy, sigma, w)) <= 10.0 * margin:
+        return x1
+    # The equation was ill-conditioned (nearly equal sources): halve the interval instead.
+    rising = _lead(a, sx, sy, sigma, w) < 0.0
+    for _ in range(50):
+        x = 0.5 * (a + b)
+        if (_lead(x, sx, sy, sigma, w) < 0.0) == rising:
+            a = x
+        else:
+            b = x
+    return 0.5 * (a + b)
+
+
+@njit(cache=True, nogil=True)
+def _contest(
+    a: float, b: float, margin: float, sliver: float, sx: float, sy: float, sigma: float, w: FloatArray
+) -> tuple[float, float, float]:
+    """First stretch [p, q] of [a, b] that the newcomer takes from window w, and where to go on.
+
+    The stretch is empty, p == q, where the window keeps all up to the third value returned.
+    """
+    at_a, at_b = _lead(a, sx, sy, sigma, w), _lead(b, sx, sy, sigma, w)
+    wins_a, wins_b = at_a < -margin, at_b < -margin
+    if wins_a != wins_b:
+        x = b if wins_a else a  # where the other end is a tie
+        if at_a * at_b < 0.0:
+            x = _crossing(a, b, margin, sx, sy, sigma, w)
+        if wins_a:
+            if b - x <= sliver:
+                return a, b, b
+            return (a, x, b) if x - a > sliver else (b, b, b)
+        if x - a <= sliver:
+            return a, b, b
+        return (x, b, b) if b - x > sliver else (b, b, b)
+    # One is ahead at both ends, the other may be in between: not if the lead is more than it can lose, as
+    # a distance changes by no more than the length walked, and not for equal SIGMA (one crossing).
+    if w[SIGMA] != sigma and min(abs(at_a), abs(at_b)) < 2.0 * (b - a):
+        x0, x1 = _quadratic(a, b, sx, sy, sigma, w)
+        if x0 > a and x1 < b and x1 - x0 > sliver:
+            lead = _lead(0.5 * (x0 + x1), sx, sy, sigma, w)
+            if wins_a and lead > margin:
+                return a, x0, x1
+            if not wins_a and lead < -margin:
+                return x0, x1, x1
+    if wins_a:
+        return a, b, b
+    return b, b, b
+
+
+@njit(cache=True, nogil=True)
+def new_pool(n_halfedges: int, capacity: int) -> Pool:
+    """An empty pool."""
+    return Pool(
+        np.empty((capacity, WIDTH)),
+        np.arange(1, capacity + 1, dtype=np.int32),
+        np.zeros(capacity, dtype=np.bool_),
+        np.full(n_halfedges, -1, dtype=np.int32),
+        np.zeros(n_halfedges, dtype=np.int32),
+        np.array([0, capacity], dtype=np.int32),
+    )
+
+
+@njit(cache=True, nogil=True)
+def grown_pool(pool: Pool) -> Pool:
+    """The same windows in a pool of twice the size."""
+    old = len(pool.windows)
+    windows = np.empty((2 * old, WIDTH))
+    windows[:old] = pool.windows
+    follower = np.arange(1, 2 * old + 1).astype(np.int32)
+    follower[:old] = pool.follower
+    follower[2 * old - 1] = pool.free[0]
+    pending = np.zeros(2 * old, dtype=np.bool_)
+    pending[:old] = pool.pending
+    free = np.array([old, pool.free[1] + old], dtype=np.int32)
+    return Pool(windows, follower, pending, pool.first, pool.count, free)
+
+
+@njit(cache=True, nogil=True)
+def insertion_room(pool: Pool, h: int) -> bool:
+    """Whether the pool has enough free rows for one more window on half-edge h, however it is cut up."""
+    return pool.free[1] >= 3 * pool.count[h] + 8
+
+
+@njit(cache=True, nogil=True)
+def _add(pool: Pool, h: int, before: int, lo: float, hi: float, sx: float, sy: float, sigma: float) -> int:
+    """Row of a new pending window, linked behind ``before`` (-1: in front) in the list of half-edge h."""
+    row = pool.free[0]
+    pool.free[0] = pool.follower[row]
+    pool.free[1] -= 1
+    pool.count[h] += 1
+    w = pool.windows[row]
+    w[LO], w[HI], w[SX], w[SY], w[SIGMA] = lo, hi, sx, sy, sigma
+    pool.pending[row] = True
+    if before < 0:
+        pool.follower[row] = pool.first[h]
+        pool.first[h] = row
+    else:
+        pool.follower[row] = pool.follower[before]
+        pool.follower[before] = row
+    return row
+
+
+@njit(cache=True, nogil=True)
+def _remove_next(pool: Pool, h: int, before: int) -> int:
+    """Row that follows ``before`` (-1: the front) once the one behind it is gone."""
+    row = pool.first[h] if before < 0 else pool.follower[before]
+    after = pool.follower[row]
+    if before < 0:
+        pool.first[h] = after
+    else:
+        pool.follower[before] = after
+    pool.follower[row] = pool.free[0]
+    pool.free[0] = row
+    pool.free[1] += 1
+    pool.count[h] -= 1
+    return after
+
+
+@njit(cache=True, nogil=True)
+def insert_window(
+    pool: Pool, h: int, length: float, lo: float, hi: float, sx: float, sy: float, sigma: float, hint: int
+) -> tuple[float, int]:
+    """Smallest distance in what the newcomer took of half-edge h (inf: nothing), and the hint for the next.
+
+    Parameters
+    ----------
+    hint : int
+        Row of the list to start the search at, as returned for a window farther left; -1 for the front.
+    """
+    sliver = SLIVER * length
+    margin = TIE * (sigma + abs(sx) + sy + length)
+    nearest = np.inf
+    before = hint if hint >= 0 and pool.windows[hint, HI] <= lo else -1
+    here = pool.first[h] if before < 0 else pool.follower[before]
+    while here >= 0 and pool.windows[here, HI] <= lo:
+        before, here = here, pool.follower[here]
+    hint = before
+    x = lo
+    opened = False  # the newcomer holds [start, x] already
+    start = lo
+    while hi - x > sliver:
+        while here >= 0 and pool.windows[here, HI] <= x:
+            before, here = here, pool.follower[here]
+        if here < 0 or pool.windows[here, LO] >= hi:
+            if not opened:
+                opened, start = True, x
+            x = hi
+            break
+        w = pool.windows[here]
+        a, b = max(x, w[LO]), min(hi, w[HI])
+        if a - x > sliver and not opened:
+            opened, start = True, x
+        p, q, go_on = b, b, b
+        if b - a > sliver:
+            p, q, go_on = _contest(a, b, margin, sliver, sx, sy, sigma, w)
+        if opened and p > a:  # the window keeps [a, p]
+            nearest = min(nearest, nearest_distance(start, a, sx, sy, sigma))
+            before = _add(pool, h, before, start, a, sx, sy, sigma)
+            opened = False
+        x = go_on
+        if p == q:
+            continue
+        keeps_left, keeps_right = p - w[LO] > sliver, w[HI] - q > sliver
+        if not opened:
+            opened, start = True, p if keeps_left else w[LO]
+        if keeps_left and keeps_right:
+            row = _add(pool, h, here, q, w[HI], w[SX], w[SY], w[SIGMA])
+            pool.pending[row] = pool.pending[here]
+            w[HI] = p
+            before, here = here, row
+        elif keeps_left:
+            q = w[HI]
+            w[HI] = p
+            before, here = here, pool.follower[here]
+        elif keeps_right:
+            w[LO] = q
+        else:
+            q = w[HI]
+            here = _remove_next(pool, h, before)
+        if keeps_right:  # the newcomer ends where the rest of the window begins
+            nearest = min(nearest, nearest_distance(start, q, sx, sy, sigma))
+            before = _add(pool, h, before, start, q, sx, sy, sigma)
+            opened = False
+        else:
+            x = max(x, q)
+    if opened:
+        nearest = min(nearest, nearest_distance(start, x, sx, sy, sigma))
+        before = _add(pool, h, before, start, x, sx, sy, sigma)
+    return nearest, hint
