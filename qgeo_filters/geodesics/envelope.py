@@ -38,7 +38,7 @@ class Pool(NamedTuple):
     follower: IndexArray  # (capacity,) next row of the list, -1 at its end; links the free rows too
     pending: Flags  # (capacity,) not carried on yet
     first: IndexArray  # (half-edges,) -1 where the list is empty
-    count: IndexArray  # (half-edges,) length of the list
+    entries: IndexArray  # (half-edges,) length of the list
     free: IndexArray  # (2,) first free row, number of free rows
 
 
@@ -170,13 +170,13 @@ def grown_pool(pool: Pool) -> Pool:
     pending = np.zeros(2 * old, dtype=np.bool_)
     pending[:old] = pool.pending
     free = np.array([old, pool.free[1] + old], dtype=np.int32)
-    return Pool(windows, follower, pending, pool.first, pool.count, free)
+    return Pool(windows, follower, pending, pool.first, pool.entries, free)
 
 
 @njit(cache=True, nogil=True)
 def insertion_room(pool: Pool, h: int) -> bool:
     """Whether the pool has enough free rows for one more window on half-edge h, however it is cut up."""
-    return pool.free[1] >= 3 * pool.count[h] + 8
+    return pool.free[1] >= 3 * pool.entries[h] + 8
 
 
 @njit(cache=True, nogil=True)
@@ -185,7 +185,7 @@ def _add(pool: Pool, h: int, before: int, lo: float, hi: float, sx: float, sy: f
     row = pool.free[0]
     pool.free[0] = pool.follower[row]
     pool.free[1] -= 1
-    pool.count[h] += 1
+    pool.entries[h] += 1
     w = pool.windows[row]
     w[LO], w[HI], w[SX], w[SY], w[SIGMA] = lo, hi, sx, sy, sigma
     pool.pending[row] = True
@@ -210,7 +210,7 @@ def _remove_next(pool: Pool, h: int, before: int) -> int:
     pool.follower[row] = pool.free[0]
     pool.free[0] = row
     pool.free[1] += 1
-    pool.count[h] -= 1
+    pool.entries[h] -= 1
     return after
 
 

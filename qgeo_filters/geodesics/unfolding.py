@@ -64,7 +64,8 @@ def corner_angles(lengths: FloatArray) -> FloatArray:
 
 def vertex_angles(mesh: IntrinsicMesh) -> FloatArray:
     """Total angle about each vertex, shape (n,), radians."""
-    return np.bincount(mesh.faces.ravel(), corner_angles(mesh.lengths).ravel(), minlength=mesh.n_vertices)
+    angles = corner_angles(mesh.lengths)
+    return np.bincount(mesh.faces.ravel(), angles.ravel(), minlength=mesh.n_vertices).astype(np.float64)
 
 
 def boundary_mask(mesh: IntrinsicMesh) -> npt.NDArray[np.bool_]:
