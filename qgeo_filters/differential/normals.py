@@ -1,0 +1,59 @@
+"""Vertex normals, corrected to stay inside the solid angle of the incident faces (paper, Fig. 2d)."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import nnls
+
+from qgeo_filters.differential.coordinates import differential_coordinates
+from qgeo_filters.surface import Surface
+
+FloatArray = npt.NDArray[np.float64]
+
+# Below this fraction of the vertex's edges, a differential coordinate has no direction but rounding.
+_VANISHING = 1e-9
+
+
+def vertex_normals(surface: Surface, corrected: bool = True) -> FloatArray:
+    r"""Unit normal of each vertex, shape (n, 3).
+
+    Parameters
+    ----------
+    surface : Surface
+    corrected : bool
+        True: the direction of the uniform differential coordinate, turned to the side of the angle-weighted
+        normal and projected on the convex cone that the normals :math:`n_f` of the incident faces span,
+        :math:`\min_{w \ge 0} |\sum_f w_f n_f - d|`. Where the coordinate vanishes (a plane) or the projection is zero,
+        the angle-weighted normal. False: the angle-weighted normal everywhere.
+
+    Returns
+    -------
+    (n, 3) float64
+        Always a non-negative combination of the normals of the incident faces. Zero for a vertex without
+        faces, or with none of positive area.
+
+    References
+    ----------
+    Das and Bhandarkar, CVPR Workshops 2018, sec. 4 and Fig. 2(d).
+    """
+    weighted = surface.vertex_normals
+    if not corrected:
+        return weighted
+    delta = differential_coordinates(surface)
+    direction = np.where(np.einsum("ij,ij->i", delta, weighted)[:, None] < 0, -delta, delta)
+    length = np.linalg.norm(direction, axis=1)
+    reach = np.zeros(surface.n_vertices)
+    for end in surface.edges.T:
+        np.maximum.at(reach, end, surface.edge_lengths)
+    usable = length > _VANISHING * reach
+    corners = np.argsort(surface.faces.ravel(), kind="stable")
+    start = np.searchsorted(surface.faces.ravel()[corners], np.arange(surface.n_vertices + 1))
+    normals = weighted.copy()
+    for i in np.flatnonzero(usable):
+        cone = surface.face_normals[corners[start[i] : start[i + 1]] // 3]
+        projection = cone.T @ nnls(cone.T, direction[i] / length[i])[0]
+        size = np.linalg.norm(projection)
+        if size > _VANISHING:
+            normals[i] = projection / size
+    return normals
