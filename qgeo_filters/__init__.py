@@ -24,7 +24,7 @@ _HOME = {
     # functions on a surface
     "differential_coordinates": "differential.coordinates",
     "vertex_normals": "differential.normals",
-    "surface_scalar": "differential.curvature",
+    "surface_scalar": "differential.scalar",
     "principal_curvatures": "differential.curvature",
     "lifted_metric": "geodesics.lifting",
     "distances": "geodesics.matrix",
