@@ -1,0 +1,247 @@
+"""Figures of results on surfaces; each function returns a Matplotlib `Figure`, written by ``figure.savefig``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from qgeo_filters.report.charts import plot_distance_matrix, plot_spectrum
+from qgeo_filters.report.colors import distinct, diverging, position_colors, sequential
+from qgeo_filters.report.glyphs import ball, tube
+from qgeo_filters.report.panels import Panel, panel_figure
+from qgeo_filters.report.view import View, best_view
+from qgeo_filters.surface import Surface
+from qgeo_filters.validation import checked_index
+
+if TYPE_CHECKING:
+    from qgeo_filters.geodesics.paths import GeodesicPath
+    from qgeo_filters.spectral.distance_spectrum import Spectrum
+
+__all__ = [
+    "plot_correspondence",
+    "plot_distance_field",
+    "plot_distance_matrix",
+    "plot_eigenfunctions",
+    "plot_path",
+    "plot_scalar",
+    "plot_spectrum",
+    "plot_symmetry",
+]
+
+MARK = (0.86, 0.11, 0.16)
+_LINES = 18
+
+
+def plot_scalar(
+    surface: Surface,
+    values: npt.ArrayLike,
+    label: str = "",
+    *,
+    signed: bool | None = None,
+    view: View | None = None,
+) -> Figure:
+    """Figure of one value per vertex on the surface, with a colour bar.
+
+    Parameters
+    ----------
+    surface : Surface
+    values : array-like, shape (n,)
+        Grey where not finite.
+    label : str
+        Name and unit for the colour bar.
+    signed : bool, optional
+        Colours diverge from zero; by default where both signs occur.
+    view : View, optional
+    """
+    values = np.asarray(values, dtype=np.float64)
+    finite = values[np.isfinite(values)]
+    if signed is None:
+        signed = bool(finite.size) and float(finite.min()) < 0 < float(finite.max())
+    scale = diverging(values) if signed else sequential(values)
+    panel = Panel(surface, view or _view_of(surface), options={"values": values, "scale": scale})
+    return panel_figure([panel], width=4.2, scale=scale, scale_label=label)
+
+
+def plot_eigenfunctions(
+    surface: Surface,
+    spectrum: Spectrum,
+    indices: Sequence[int] | None = None,
+    *,
+    columns: int = 3,
+    view: View | None = None,
+) -> Figure:
+    r"""Figure of eigenfunctions on the surface, all on one scale centred on zero.
+
+    Shown without unit, :math:`\phi_k \sqrt{A}` with :math:`A` the surface's area: a constant function would be
+    1 everywhere.
+
+    Parameters
+    ----------
+    surface : Surface
+    spectrum : Spectrum
+    indices : sequence of int, optional
+        Which eigenfunctions, from 0; the first six by default.
+    columns : int
+    view : View, optional
+    """
+    count = spectrum.eigenfunctions.shape[1]
+    chosen = list(range(min(6, count))) if indices is None else [checked_index(k, count, "index") for k in indices]
+    values = spectrum.eigenfunctions[:, chosen] * np.sqrt(surface.area)
+    scale = diverging(values)
+    view = view or _view_of(surface)
+    panels = [
+        Panel(
+            surface,
+            view,
+            rf"$\phi_{{{k + 1}}}$    $\gamma$ = {spectrum.eigenvalues[k]:.3g}",
+            {"values": values[:, j], "scale": scale, "isolines": [0.0] if values[:, j].min() < 0 else []},
+        )
+        for j, k in enumerate(chosen)
+    ]
+    return panel_figure(panels, columns=columns, scale=scale, scale_label=r"$\phi_k\,\sqrt{A}$ (line: zero)")
+
+
+def plot_distance_field(
+    surface: Surface,
+    distances: npt.ArrayLike,
+    source: int | Sequence[int] | None = None,
+    *,
+    label: str = "distance (mesh units)",
+    lines: int = _LINES,
+    view: View | None = None,
+) -> Figure:
+    """Figure of the distances from a source with lines of equal distance.
+
+    Parameters
+    ----------
+    surface : Surface
+    distances : array-like, shape (n,)
+        Grey where infinite (other pieces of the surface).
+    source : int or sequence of int, optional
+        Vertices to mark.
+    label : str
+    lines : int
+        About how many lines; their spacing is a round number, which the colour bar's label names.
+    view : View, optional
+    """
+    distances = np.asarray(distances, dtype=np.float64)
+    scale = sequential(distances)
+    locator = MaxNLocator(max(lines, 1), steps=[1, 2, 2.5, 5, 10])
+    levels = np.asarray(locator.tick_values(scale.low, scale.high))
+    levels = levels[(levels > scale.low) & (levels < scale.high)]
+    spacing = f", a line every {levels[1] - levels[0]:g}" if len(levels) > 1 else ""
+    marks = [] if source is None else np.atleast_1d(source).tolist()
+    glyphs = [
+        ball(surface.vertices[checked_index(v, surface.n_vertices, "source")], _radius(surface), MARK) for v in marks
+    ]
+    view = view or _view_of(surface, surface.vertices[marks].mean(axis=0) if marks else None)
+    options = {"values": distances, "scale": scale, "isolines": levels, "glyphs": glyphs}
+    return panel_figure([Panel(surface, view, options=options)], width=4.2, scale=scale, scale_label=label + spacing)
+
+
+def plot_path(surface: Surface, path: GeodesicPath, *, view: View | None = None) -> Figure:
+    """Figure of a path on the surface; its start is the lighter of the two marks.
+
+    Parameters
+    ----------
+    surface : Surface
+    path : GeodesicPath
+        Anything with ``points`` (p, 3) and ``length``.
+    view : View, optional
+    """
+    points = np.asarray(path.points, dtype=np.float64)
+    radius = _radius(surface)
+    glyphs = [ball(points[0], 1.25 * radius, (0.98, 0.75, 0.18)), ball(points[-1], 1.25 * radius, MARK)]
+    if np.ptp(points, axis=0).any():
+        glyphs.append(tube(points, 0.5 * radius, MARK))
+    view = view or _view_of(surface, points.mean(axis=0))
+    panel = Panel(surface, view, f"length {path.length:.5g} mesh units", {"glyphs": glyphs})
+    return panel_figure([panel], width=4.2)
+
+
+def plot_symmetry(
+    surface: Surface,
+    labels: npt.ArrayLike | None = None,
+    *,
+    p2p: npt.ArrayLike | None = None,
+    title: str = "",
+    view: View | None = None,
+) -> Figure:
+    """Figure of the self-symmetry from both sides (paper, Fig. 5): matched places have one colour.
+
+    Parameters
+    ----------
+    surface : Surface
+    labels : array-like of int, shape (n,), optional
+        Region of each vertex; the two halves of a symmetric region have one label. Grey where negative.
+    p2p : array-like of int, shape (n,), optional
+        Mirror image of each vertex, in place of labels: a vertex has the colour of the middle between it and
+        its image.
+    title : str
+    view : View, optional
+
+    Raises
+    ------
+    ValueError
+        Unless exactly one of labels and p2p is given.
+    """
+    if (labels is None) == (p2p is None):
+        raise ValueError("give labels or p2p, one of them")
+    view = view or _view_of(surface)
+    options: dict[str, object]
+    if labels is not None:
+        numbers = np.asarray(labels)
+        options = {"labels": numbers, "colors": distinct(int(numbers.max(initial=-1)) + 1)}
+    else:
+        # Seen across the mirror plane the two places of a pair fall together, whatever the pose.
+        middle = 0.5 * (surface.vertices + surface.vertices[np.asarray(p2p)])
+        options = {"colors": position_colors(middle, view.axes)}
+    panels = [Panel(surface, view, options=options), Panel(surface, view.turned(180.0), options=options)]
+    return panel_figure(panels, title=title)
+
+
+def plot_correspondence(
+    x: Surface,
+    y: Surface,
+    p2p: npt.ArrayLike,
+    *,
+    names: tuple[str, str] = ("X", "Y"),
+    views: tuple[View, View] | None = None,
+) -> Figure:
+    """Figure of two surfaces where every vertex of X has the colour of the vertex of Y that it is mapped to.
+
+    Parameters
+    ----------
+    x, y : Surface
+    p2p : array-like of int, shape (n_x,)
+        Vertex of Y for each vertex of X.
+    names : (str, str)
+    views : (View, View), optional
+    """
+    target = np.asarray(p2p)
+    if target.shape != (x.n_vertices,):
+        raise ValueError(f"p2p has shape {target.shape}, but X has {x.n_vertices} vertices")
+    view_x, view_y = views or (_view_of(x), _view_of(y))
+    colors = position_colors(y.vertices, view_y.axes)
+    panels = [Panel(x, view_x, names[0], {"colors": colors[target]}), Panel(y, view_y, names[1], {"colors": colors})]
+    return panel_figure(panels)
+
+
+def _view_of(surface: Surface, focus: npt.NDArray[np.float64] | None = None) -> View:
+    """Best view; the one of the two opposite ones from whose side a point of interest lies nearer."""
+    view = best_view(surface.vertices, surface.faces)
+    if focus is None:
+        return view
+    middle = 0.5 * (surface.vertices.min(axis=0) + surface.vertices.max(axis=0))
+    other = view.turned(180.0)
+    return view if (focus - middle) @ view.axes[2] >= (focus - middle) @ other.axes[2] else other
+
+
+def _radius(surface: Surface) -> float:
+    """Radius of the mark of a point."""
+    return 0.012 * float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))

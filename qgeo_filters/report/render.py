@@ -1,0 +1,185 @@
+"""Pictures of shaded surfaces in software: correct hidden surfaces, smooth colours, no screen, no GPU."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.report.colors import MISSING, ColorScale, sequential
+from qgeo_filters.report.glyphs import Glyph
+from qgeo_filters.report.raster import Fragments, rasterize
+from qgeo_filters.report.shading import corner_normals, crease_darkening, lit, pixel_normals
+from qgeo_filters.report.view import View, best_view
+from qgeo_filters.surface import Surface
+
+FloatArray = npt.NDArray[np.float64]
+Image = npt.NDArray[np.uint8]
+Pixels = npt.NDArray[np.float32]
+
+CLAY = (0.82, 0.83, 0.86)
+_LINE_DARKNESS = 0.6
+
+
+def render_mesh(
+    vertices: npt.ArrayLike,
+    faces: npt.ArrayLike,
+    values: npt.ArrayLike | None = None,
+    *,
+    colors: npt.ArrayLike | None = None,
+    labels: npt.ArrayLike | None = None,
+    scale: ColorScale | None = None,
+    isolines: npt.ArrayLike = (),
+    glyphs: Sequence[Glyph] = (),
+    view: View | None = None,
+    size: tuple[int, int] = (640, 480),
+    background: tuple[float, float, float] = (1.0, 1.0, 1.0),
+    supersample: int = 3,
+) -> Image:
+    """Picture of a triangle mesh, shape (height, width, 3), uint8 RGB.
+
+    Both sides of every triangle are drawn, by parallel projection. Values are interpolated over each triangle
+    *before* they become a colour, so that colours and iso-lines stay true on coarse meshes.
+
+    Parameters
+    ----------
+    vertices : array-like, shape (n, 3)
+    faces : array-like, shape (m, 3)
+    values : array-like, shape (n,), optional
+        Shown through ``scale``; grey where not finite.
+    colors : array-like, shape (n, 3), optional
+        RGB in [0, 1], interpolated; in place of ``values``. With ``labels``, one row for each label.
+    labels : array-like of int, shape (n,), optional
+        Rows of ``colors``: each point of a triangle has the colour of the label with the most weight among its
+        corners, grey where that is negative.
+    scale : ColorScale, optional
+        Viridis over the finite values by default.
+    isolines : array-like, shape (l,)
+        Values at which a line is drawn.
+    glyphs : sequence of Glyph
+        Points and curves, hidden and shaded like the surface. The frame fits the surface alone.
+    view : View, optional
+        `best_view` by default.
+    size : (int, int)
+        Width and height in pixels.
+    background : (r, g, b)
+    supersample : int
+        Samples in each direction of a pixel.
+
+    Raises
+    ------
+    MeshError
+        What is not a mesh.
+    ValueError
+        Values or colours of a wrong length, or both given.
+    """
+    surface = Surface(vertices, faces)
+    values = _checked_values(values, surface.n_vertices)
+    palette = _checked_colors(colors, labels, surface.n_vertices)
+    if values is not None and palette is not None:
+        raise ValueError("give values or colors, not both")
+    view = best_view(surface.vertices, surface.faces) if view is None else view
+    width, height = size[0] * supersample, size[1] * supersample
+    frame = view.fit(surface.vertices, width, height)
+
+    solids = [surface, *(Surface(glyph.vertices, glyph.faces) for glyph in glyphs)]
+    starts = np.cumsum([0, *(solid.n_vertices for solid in solids)])
+    points = frame.project(np.concatenate([solid.vertices for solid in solids]))
+    triangles = np.concatenate([solid.faces + start for solid, start in zip(solids, starts, strict=False)])
+    picture = rasterize(points, triangles.astype(np.int32), width, height)
+    seen = picture.face >= 0
+    fragments = Fragments(picture.face[seen], picture.weights[seen], picture.depth[seen])
+
+    tints = [np.tile(CLAY, (surface.n_faces, 1))]
+    tints += [np.tile(glyph.color, (len(glyph.faces), 1)) for glyph in glyphs]
+    albedo = np.concatenate(tints).astype(np.float32)[fragments.face]
+    own = fragments.face < surface.n_faces
+    on_surface = Fragments(fragments.face[own], fragments.weights[own], fragments.depth[own])
+    if values is not None:
+        scale = sequential(values) if scale is None else scale
+        albedo[own] = scale(_interpolated(values, surface, on_surface))
+        cover = _isoline_cover(values, np.atleast_1d(isolines), points, surface, on_surface, 0.6 * supersample)
+        albedo[own] *= 1.0 - _LINE_DARKNESS * cover[:, None]
+    elif palette is not None:
+        albedo[own] = _palette_colors(palette, labels, surface, on_surface)
+
+    normals = pixel_normals(np.concatenate([corner_normals(solid) for solid in solids]), fragments, view.axes)
+    darkening = crease_darkening(picture.depth, radius=0.012 * min(width, height))
+    canvas = np.empty((height, width, 3), np.float32)
+    canvas[:] = background
+    canvas[seen] = lit(albedo, normals) * darkening[seen][:, None]
+    smooth = canvas.reshape(size[1], supersample, size[0], supersample, 3).mean(axis=(1, 3))
+    return np.rint(255.0 * smooth).astype(np.uint8)
+
+
+def _interpolated(values: FloatArray, surface: Surface, fragments: Fragments) -> Pixels:
+    """Values (n, ...) of the vertices at the pixels; a corner without weight does not count, even if NaN."""
+    corners = values[surface.faces[fragments.face]]
+    weights = fragments.weights.reshape(fragments.weights.shape + (1,) * (values.ndim - 1))
+    return np.where(weights > 0, weights * corners, 0.0).sum(axis=1).astype(np.float32)
+
+
+def _palette_colors(
+    palette: FloatArray, labels: npt.ArrayLike | None, surface: Surface, fragments: Fragments
+) -> FloatArray | Pixels:
+    if labels is None:
+        return _interpolated(palette, surface, fragments)
+    corners = np.asarray(labels)[surface.faces[fragments.face]]
+    # Corners of one label add up, so that borders run straight from one edge's middle to the next.
+    support = np.einsum("pij,pj->pi", corners[:, :, None] == corners[:, None, :], fragments.weights)
+    label = np.take_along_axis(corners, support.argmax(axis=1)[:, None], axis=1)[:, 0]
+    return np.where(label[:, None] >= 0, palette[np.maximum(label, 0)], MISSING)
+
+
+def _isoline_cover(
+    values: FloatArray,
+    levels: FloatArray,
+    points: FloatArray,
+    surface: Surface,
+    fragments: Fragments,
+    half_width: float,
+) -> Pixels:
+    """Share of each pixel, 0 to 1, under a line of constant width (pixels) at one of the levels."""
+    if levels.size == 0:
+        return np.zeros(len(fragments.face), np.float32)
+    a, b, c = (points[surface.faces[:, k], :2] for k in range(3))
+    u, v = b - a, c - a
+    du, dv = (values[surface.faces[:, k]] - values[surface.faces[:, 0]] for k in (1, 2))
+    area = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        gradient = np.hypot(v[:, 1] * du - u[:, 1] * dv, u[:, 0] * dv - v[:, 0] * du) / np.abs(area)
+        value = _interpolated(values, surface, fragments)
+        levels = np.concatenate([[-np.inf], np.sort(levels), [np.inf]])
+        above = np.clip(np.searchsorted(levels, value), 1, len(levels) - 1)
+        nearest = np.minimum(value - levels[above - 1], levels[above] - value)
+        distance = nearest / gradient[fragments.face]
+    cover = np.clip(half_width + 0.5 - distance, 0.0, 1.0)
+    return np.where(np.isfinite(cover), cover, 0.0).astype(np.float32)
+
+
+def _checked_values(values: npt.ArrayLike | None, n_vertices: int) -> FloatArray | None:
+    if values is None:
+        return None
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape != (n_vertices,):
+        raise ValueError(f"values have shape {array.shape}, but there are {n_vertices} vertices")
+    return array
+
+
+def _checked_colors(colors: npt.ArrayLike | None, labels: npt.ArrayLike | None, n_vertices: int) -> FloatArray | None:
+    if colors is None:
+        if labels is not None:
+            raise ValueError("labels need colors, one row for each label")
+        return None
+    array = np.asarray(colors, dtype=np.float64)
+    if labels is None:
+        if array.shape != (n_vertices, 3):
+            raise ValueError(f"colors have shape {array.shape}, expected ({n_vertices}, 3)")
+        return array
+    numbers = np.asarray(labels)
+    if numbers.shape != (n_vertices,) or numbers.dtype.kind not in "iu":
+        raise ValueError(f"labels must be {n_vertices} whole numbers, got {numbers.dtype} of shape {numbers.shape}")
+    if array.ndim != 2 or array.shape[1] != 3 or len(array) <= numbers.max(initial=-1):
+        raise ValueError(f"colors have shape {array.shape}, expected one RGB row for each label up to {numbers.max()}")
+    return array
