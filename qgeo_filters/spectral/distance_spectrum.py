@@ -1,0 +1,248 @@
+"""Eigenspectrum of the matrix of quasi-geodesic distances (paper, sec. 3, eq. 2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import eigh
+from scipy.sparse.linalg import LinearOperator, aslinearoperator, eigsh
+
+from qgeo_filters.errors import MeshError
+from qgeo_filters.geodesics.lifting import lifted_metric
+from qgeo_filters.geodesics.metric import LiftedMetric
+from qgeo_filters.spectral.canonical import canonical_signs, group_multiplets
+from qgeo_filters.surface import Surface
+from qgeo_filters.validation import frozen, listed
+
+FloatArray = npt.NDArray[np.float64]
+Weights = Literal["area", "uniform"]
+
+# Relative accuracy of the eigenvalues asked of ARPACK: what float32 distances can carry.
+_TOLERANCE = 1e-6
+# Two random vectors must agree to this on <x, D y> = <y, D x>; float32 distances do, one-sided ones do not.
+_SYMMETRY = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Eigenvalues and eigenfunctions of a symmetric operator on a surface.
+
+    Attributes
+    ----------
+    eigenvalues : (k,) float64
+        For a distance matrix by decreasing absolute value, in units of length^3 (length for uniform weights);
+        for the Laplacian increasing, in units of 1 / area.
+    eigenfunctions : (n, k) float64
+        One in each column, orthonormal under the weights: ``phi.T @ (areas[:, None] * phi)`` is the identity.
+        The sign is fixed by `canonical_signs`.
+    areas : (n,) float64
+        Weight of each vertex in the inner product: its area, or 1 for the paper's unweighted matrix.
+    multiplets : tuple of tuple of int
+        Partition of ``range(k)`` into groups of nearly equal eigenvalues, see `group_multiplets`. Within a group only
+        the span of the eigenfunctions has a meaning. The last group may be cut short by k.
+    """
+
+    eigenvalues: FloatArray
+    eigenfunctions: FloatArray
+    areas: FloatArray
+    multiplets: tuple[tuple[int, ...], ...]
+
+    @classmethod
+    def of(cls, eigenvalues: npt.ArrayLike, eigenfunctions: npt.ArrayLike, areas: npt.ArrayLike) -> Spectrum:
+        """Spectrum of these eigenpairs, in their order, with canonical signs and multiplets."""
+        values = np.array(eigenvalues, dtype=np.float64)
+        weights = np.array(areas, dtype=np.float64)
+        functions = np.array(eigenfunctions, dtype=np.float64)
+        functions *= canonical_signs(functions, weights)
+        return cls(frozen(values), frozen(functions), frozen(weights), group_multiplets(values))
+
+    @property
+    def k(self) -> int:
+        """Number of eigenpairs."""
+        return len(self.eigenvalues)
+
+    @property
+    def n_vertices(self) -> int:
+        """Number of vertices."""
+        return len(self.areas)
+
+    def truncated(self, k: int) -> Spectrum:
+        """Spectrum of the first k eigenpairs."""
+        if not 1 <= k <= self.k:
+            raise ValueError(f"k must be between 1 and the {self.k} eigenpairs of this spectrum, got {k}")
+        return Spectrum(
+            frozen(self.eigenvalues[:k].copy()),
+            frozen(self.eigenfunctions[:, :k].copy()),
+            self.areas,
+            group_multiplets(self.eigenvalues[:k]),
+        )
+
+
+def distance_spectrum(
+    surface: Surface,
+    k: int = 20,
+    metric: LiftedMetric | None = None,
+    weights: Weights = "area",
+    landmarks: int | None = None,
+    *,
+    matrix: Any = None,
+    progress: bool = False,
+) -> Spectrum:
+    r"""Spectrum of the quasi-geodesic distances of a surface: the k eigenpairs of largest absolute value.
+
+    The operator is :math:`(K f)(p) = \int d(p, q) f(q) \, dA(q)`, see `spectrum_of_matrix`.
+
+    Parameters
+    ----------
+    surface : Surface
+        In one piece and manifold.
+    k : int
+        Number of eigenpairs.
+    metric : LiftedMetric, optional
+        Default: `lifted_metric` of the surface, as it is.
+    weights : {"area", "uniform"}
+        ``"area"``: the operator above, which two triangulations share. ``"uniform"``: the paper's plain matrix,
+        eq. (2).
+    landmarks : int, optional
+        Distances from this many farthest points only, in memory O(n landmarks); see `landmark_spectrum`.
+    matrix : array-like or LinearOperator, shape (n, n), optional
+        Distances in this metric, where they are at hand.
+    progress : bool
+        Whether to show a progress bar over the distances.
+
+    Returns
+    -------
+    Spectrum
+
+    Raises
+    ------
+    MeshError
+        Surface in several pieces, not manifold, or with a vertex of no area.
+    ValueError
+        k out of range; landmarks together with a matrix or uniform weights.
+    """
+    from qgeo_filters.geodesics.matrix import distance_matrix
+
+    surface.require_connected("the spectrum of the distances")
+    check_count(k, surface.n_vertices)
+    if metric is None and matrix is None:
+        metric = lifted_metric(surface)
+    if landmarks is not None:
+        if matrix is not None or weights != "area":
+            raise ValueError("landmarks stand for the whole matrix under area weights: pass neither matrix nor weights")
+        from qgeo_filters.spectral.landmarks import landmark_spectrum
+
+        return landmark_spectrum(surface, k, metric, landmarks, progress=progress)
+    if matrix is None:
+        matrix = distance_matrix(surface, metric, progress=progress)
+    return spectrum_of_matrix(matrix, surface.vertex_areas, k, weights)
+
+
+def spectrum_of_matrix(matrix: Any, areas: npt.ArrayLike, k: int = 20, weights: Weights = "area") -> Spectrum:
+    r"""Spectrum of a symmetric matrix of distances: the k eigenpairs of largest absolute value.
+
+    With A the diagonal matrix of vertex areas, the eigenpairs :math:`(\gamma, u)` of :math:`A^{1/2} D A^{1/2}` give the
+    eigenfunctions :math:`\phi = A^{-1/2} u` of the integral operator with kernel d, orthonormal in the area
+    inner product. With ``weights="uniform"`` A is the identity: the paper's eq. (2).
+
+    Parameters
+    ----------
+    matrix : array-like or LinearOperator, shape (n, n)
+        Symmetric, finite; float32 is used as it is. Only products with it are taken.
+    areas : array-like, shape (n,)
+        Area of each vertex, positive.
+    k : int
+        Number of eigenpairs, at most n.
+    weights : {"area", "uniform"}
+
+    Returns
+    -------
+    Spectrum
+        By decreasing absolute eigenvalue. The same input gives the same bits: ARPACK starts from a fixed vector.
+
+    Raises
+    ------
+    MeshError
+        A vertex without area, under area weights.
+    ValueError
+        Shapes that do not match, k out of range, a matrix that is not symmetric or not finite (the
+        distance between two pieces is infinite).
+    """
+    if weights not in ("area", "uniform"):
+        raise ValueError(f"weights must be 'area' or 'uniform', got {weights!r}")
+    area = np.asarray(areas, dtype=np.float64)
+    n = area.size
+    if area.ndim != 1 or np.shape(matrix) != (n, n):
+        raise ValueError(
+            f"the matrix has shape {np.shape(matrix)} and the areas {area.shape}; expected (n, n) and (n,)"
+        )
+    check_count(k, n)
+    if weights == "uniform":
+        area = np.ones(n)
+    check_areas(area)
+    root = np.sqrt(area)
+    # Free of the unit of length, so that no scale leaves the range of float32.
+    unit = root @ root
+    operator = _symmetric(matrix, root / np.sqrt(unit))
+    vectors = _largest(operator, k)
+    # Rayleigh-Ritz in float64: orthonormal to rounding, whatever the precision of the products.
+    basis = np.linalg.qr(vectors)[0]
+    values, turn = eigh(_symmetrised(basis.T @ operator.matmat(basis)))
+    order = np.lexsort((-values, -np.abs(values)))[:k]
+    return Spectrum.of(values[order] * unit, (basis @ turn)[:, order] / root[:, None], area)
+
+
+def check_count(k: int, n: int) -> None:
+    """Raise ValueError unless k eigenpairs can be had of n vertices."""
+    if not isinstance(k, (int, np.integer)) or not 1 <= k <= n:
+        raise ValueError(f"k must be between 1 and the number of vertices, {n}, got {k!r}")
+
+
+def check_areas(areas: FloatArray) -> None:
+    """Raise MeshError, naming them, if a vertex has no area."""
+    bad = np.flatnonzero(~(np.isfinite(areas) & (areas > 0)))
+    if bad.size:
+        raise MeshError(
+            f"an eigenfunction has no value at a vertex without area, and there are {bad.size}: {listed(bad)}; "
+            "remove vertices without faces and degenerate triangles, or repair=True"
+        )
+
+
+def _symmetric(matrix: Any, root: FloatArray) -> LinearOperator:
+    """Operator x -> root D (root x) in float64, after a look at its symmetry and finiteness."""
+    plain = aslinearoperator(matrix)
+    # A float64 vector would make NumPy copy a float32 matrix to float64 in each product.
+    single = plain.dtype == np.float32
+
+    def product(x: FloatArray) -> FloatArray:
+        weighted = root[:, None] * x.reshape(len(root), -1)
+        image = plain.matmat(weighted.astype(np.float32) if single else weighted)
+        return (root[:, None] * image).reshape(x.shape)
+
+    operator = LinearOperator(plain.shape, matvec=product, matmat=product, dtype=np.float64)
+    x = np.random.default_rng(0).uniform(0.5, 1.5, (len(root), 2))
+    with np.errstate(invalid="ignore", over="ignore"):
+        image = operator.matmat(x)
+        if not np.isfinite(image).all():
+            raise ValueError("the matrix holds values that are not finite; distances between two pieces are infinite")
+        one, other = x[:, 0] @ image[:, 1], x[:, 1] @ image[:, 0]
+    if abs(one - other) > _SYMMETRY * max(abs(one), abs(other)):
+        raise ValueError(f"the matrix is not symmetric: <x, D y> = {one:.6g}, <y, D x> = {other:.6g}")
+    return operator
+
+
+def _largest(operator: LinearOperator, k: int) -> FloatArray:
+    """Orthonormal basis that holds the k eigenvectors of largest absolute value."""
+    n = operator.shape[0]
+    if 3 * k >= n or n <= 64:
+        return eigh(_symmetrised(operator.matmat(np.eye(n))))[1]
+    # A generic start: one that shares a symmetry of the surface would never leave it.
+    start = np.random.default_rng(0).standard_normal(n)
+    return eigsh(operator, k=k, which="LM", v0=start, tol=_TOLERANCE, ncv=min(n, max(2 * k + 1, 20)))[1]
+
+
+def _symmetrised(matrix: FloatArray) -> FloatArray:
+    return (matrix + matrix.T) / 2

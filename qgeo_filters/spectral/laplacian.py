@@ -1,0 +1,68 @@
+"""Spectrum of the Laplace-Beltrami operator, beside that of the distances."""
+
+from __future__ import annotations
+
+import numpy as np
+import robust_laplacian
+from scipy import sparse
+from scipy.linalg import eigh
+from scipy.sparse.linalg import eigsh
+
+from qgeo_filters.spectral.distance_spectrum import Spectrum, check_areas, check_count
+from qgeo_filters.surface import Surface
+
+# Shift below zero, in units of 1 / area: the first eigenvalue is 0 and the next is of the order of 10.
+_SHIFT = 0.1
+
+
+def laplacian_spectrum(surface: Surface, k: int = 20) -> Spectrum:
+    r"""Spectrum of the Laplace-Beltrami operator: the k smallest eigenvalues, increasing, the constant one included.
+
+    Solves :math:`L \phi = \lambda M \phi` with the intrinsic Delaunay cotangent matrix and lumped areas of
+    `robust_laplacian`,
+    which bad triangles cannot spoil. Boundaries are free (Neumann).
+
+    Parameters
+    ----------
+    surface : Surface
+        In one piece.
+    k : int
+        Number of eigenpairs.
+
+    Returns
+    -------
+    Spectrum
+        Eigenvalues in units of 1 / area; eigenfunctions orthonormal under ``areas``, the lumped areas.
+
+    Raises
+    ------
+    MeshError
+        Surface in several pieces, or with a vertex of no area.
+    ValueError
+        k out of range.
+
+    References
+    ----------
+    Sharp and Crane, "A Laplacian for nonmanifold triangle meshes", SGP 2020.
+    """
+    surface.require_connected("the spectrum of the Laplacian")
+    n = surface.n_vertices
+    check_count(k, n)
+    check_areas(surface.vertex_areas)
+    # Unit area: the mollification, the shift and ARPACK's tolerances are those of one scale.
+    unit = surface.area
+    stiffness, mass = robust_laplacian.mesh_laplacian(surface.vertices / np.sqrt(unit), surface.faces)
+    areas = mass.diagonal()
+    root = np.sqrt(areas)
+    scale = sparse.diags_array(1 / root)
+    symmetric = scale @ stiffness @ scale
+    if 3 * k >= n or n <= 64:
+        values, vectors = eigh(symmetric.toarray(), subset_by_index=(0, k - 1))
+    else:
+        start = np.random.default_rng(0).standard_normal(n)
+        values, vectors = eigsh(symmetric.tocsc(), k=k, sigma=-_SHIFT, which="LM", v0=start)
+    order = np.argsort(values, kind="stable")
+    # The smallest is zero and comes out as rounding of either sign.
+    values = np.maximum(values[order], 0.0) / unit
+    basis = np.linalg.qr(vectors[:, order])[0]
+    return Spectrum.of(values, basis / (root * np.sqrt(unit))[:, None], areas * unit)
