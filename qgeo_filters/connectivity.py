@@ -61,13 +61,8 @@ def flipped_edges(faces: IntArray, twins: IntArray) -> npt.NDArray[np.int64]:
     return half[(faces.ravel()[half] == faces.ravel()[other]) & (half < other)]
 
 
-def nonmanifold_vertices(faces: IntArray, twins: IntArray, n_vertices: int) -> npt.NDArray[np.int64]:
-    """Vertices whose faces do not form one fan or one disc (bow-ties).
-
-    Two corners at a vertex are joined where their faces share an edge at that vertex; a vertex of a
-    surface has all of its corners in one component. Edges of three and more faces join nothing here,
-    so the ends of such an edge are listed too.
-    """
+def corner_fans(faces: IntArray, twins: IntArray) -> IntArray:
+    """Fan to which each corner belongs, shape (3 m,): corners at one vertex, joined across shared edges."""
     m = len(faces)
     half = np.flatnonzero(twins.ravel() >= 0)
     other = twins.ravel()[half]
@@ -80,8 +75,18 @@ def nonmanifold_vertices(faces: IntArray, twins: IntArray, n_vertices: int) -> n
     rows = np.concatenate([half, 3 * f + (k + 1) % 3])
     columns = np.concatenate([at_tail, at_head])
     graph = sparse.coo_matrix((np.ones(len(rows), np.int8), (rows, columns)), shape=(3 * m, 3 * m))
-    n_fans, fan = connected_components(graph, directed=False)
-    vertex_of_fan = np.zeros(n_fans, dtype=np.int64)
+    return connected_components(graph, directed=False)[1].astype(np.int32)
+
+
+def nonmanifold_vertices(faces: IntArray, twins: IntArray, n_vertices: int) -> npt.NDArray[np.int64]:
+    """Vertices whose faces do not form one fan or one disc (bow-ties).
+
+    Two corners at a vertex are joined where their faces share an edge at that vertex; a vertex of a
+    surface has all of its corners in one component. Edges of three and more faces join nothing here,
+    so the ends of such an edge are listed too.
+    """
+    fan = corner_fans(faces, twins)
+    vertex_of_fan = np.zeros(int(fan.max()) + 1, dtype=np.int64)
     vertex_of_fan[fan] = faces.ravel()
     return np.flatnonzero(np.bincount(vertex_of_fan, minlength=n_vertices) > 1)
 
