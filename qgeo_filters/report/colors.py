@@ -97,8 +97,13 @@ def position_colors(positions: npt.ArrayLike, axes: FloatArray) -> FloatArray:
     return _from_oklch(0.48 + 0.38 * unit[:, across], 0.05 + 0.11 * unit[:, 2], 20.0 + 290.0 * unit[:, along])
 
 
-def _from_oklch(lightness: FloatArray, chroma: FloatArray, hue: FloatArray) -> FloatArray:
-    """SRGB of perceptual lightness, chroma and hue in degrees (Ottosson, "A perceptual color space", 2020), clipped."""
+def _from_oklch(
+    lightness: npt.NDArray[np.floating], chroma: npt.NDArray[np.floating], hue: npt.NDArray[np.floating]
+) -> FloatArray:
+    """SRGB of perceptual lightness, chroma and hue in degrees (Ottosson, "A perceptual color space", 2020).
+
+    What a screen cannot show is moved straight towards the grey of equal lightness until it can.
+    """
     a, b = chroma * np.cos(np.radians(hue)), chroma * np.sin(np.radians(hue))
     cones = np.stack([lightness, a, b], axis=-1) @ np.array(
         [[1.0, 1.0, 1.0], [0.3963377774, -0.1055613458, -0.0894841775], [0.2158037573, -0.0638541728, -1.2914855480]]
@@ -110,5 +115,7 @@ def _from_oklch(lightness: FloatArray, chroma: FloatArray, hue: FloatArray) -> F
             [0.2309699292, -0.3413193965, 1.7076147010],
         ]
     )
-    linear = np.clip(linear, 0.0, 1.0)
+    grey = lightness[..., None] ** 3
+    excess = np.maximum((linear - grey) / (1.0 - grey), (grey - linear) / grey).max(axis=-1, keepdims=True)
+    linear = np.clip(grey + (linear - grey) / np.maximum(excess, 1.0), 0.0, 1.0)
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)

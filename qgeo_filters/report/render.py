@@ -145,9 +145,9 @@ def _isoline_cover(
         return np.zeros(len(fragments.face), np.float32)
     a, b, c = (points[surface.faces[:, k], :2] for k in range(3))
     u, v = b - a, c - a
-    du, dv = (values[surface.faces[:, k]] - values[surface.faces[:, 0]] for k in (1, 2))
     area = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # values that are not finite, faces seen edge-on
+        du, dv = (values[surface.faces[:, k]] - values[surface.faces[:, 0]] for k in (1, 2))
         gradient = np.hypot(v[:, 1] * du - u[:, 1] * dv, u[:, 0] * dv - v[:, 0] * du) / np.abs(area)
         value = _interpolated(values, surface, fragments)
         levels = np.concatenate([[-np.inf], np.sort(levels), [np.inf]])

@@ -1,0 +1,159 @@
+"""A report in one file: pictures, numbers and parameters as a web page that loads nothing from anywhere."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from os import PathLike
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from qgeo_filters.atomic import atomic_write
+from qgeo_filters.report.style import STYLESHEET
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure of the report.
+
+    Attributes
+    ----------
+    name : str
+        Name of its file, without suffix.
+    figure : Figure
+    caption : str
+        What is seen, in a sentence.
+    """
+
+    name: str
+    figure: Figure
+    caption: str
+
+    def png(self) -> bytes:
+        """The figure as a PNG file."""
+        buffer = io.BytesIO()
+        # Without a time stamp and a version: the same figure gives the same bytes.
+        self.figure.savefig(buffer, format="png", metadata={"Software": None})
+        return buffer.getvalue()
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of numbers or words under a heading.
+
+    Attributes
+    ----------
+    title : str
+    rows : sequence of sequences
+    columns : sequence of str
+        Headings; none by default.
+    note : str
+        A sentence under the table.
+    """
+
+    title: str
+    rows: Sequence[Sequence[Any]]
+    columns: Sequence[str] = ()
+    note: str = ""
+
+    @classmethod
+    def of(cls, title: str, values: Mapping[str, Any], note: str = "") -> Table:
+        """Table of two columns, name and value."""
+        return cls(title, list(values.items()), note=note)
+
+
+def formatted(value: Any) -> str:
+    """A value as a reader wants it: six digits, words for truth, lists cut short."""
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.6g}".replace("-", "−")
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} = {formatted(item)}" for name, item in value.items()) or "–"
+    if isinstance(value, (list, tuple)):
+        shown = ", ".join(formatted(item) for item in value[:12])
+        return (f"{shown}, … ({len(value)})" if len(value) > 12 else shown) or "–"
+    return str(value)
+
+
+def report_page(
+    title: str,
+    *,
+    subtitle: str = "",
+    pictures: Sequence[Picture] = (),
+    tables: Sequence[Table] = (),
+    footer: str = "",
+) -> str:
+    """Text of a self-contained web page; pictures are base64 PNG, nothing is loaded from elsewhere.
+
+    Parameters
+    ----------
+    title, subtitle : str
+    pictures : sequence of Picture
+    tables : sequence of Table
+    footer : str
+    """
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<title>{escape(title)}</title>
+<style>{STYLESHEET}</style>
+</head>
+<body>
+<header><h1>{escape(title)}</h1>{_paragraph(subtitle)}</header>
+<main>
+<section class="pictures" aria-label="Pictures">
+{"".join(map(_picture, pictures))}</section>
+<section class="tables" aria-label="Numbers">
+{"".join(map(_table, tables))}</section>
+</main>
+<footer>{_paragraph(footer)}</footer>
+</body>
+</html>
+"""
+
+
+def write_report(path: str | PathLike[str], title: str, **content: Any) -> None:
+    """Write `report_page` to a file, whole or not at all."""
+    with atomic_write(path) as file:
+        file.write(report_page(title, **content).encode("utf-8"))
+
+
+def _paragraph(text: str) -> str:
+    return f"<p>{escape(text)}</p>" if text else ""
+
+
+def _picture(picture: Picture) -> str:
+    data = base64.b64encode(picture.png()).decode("ascii")
+    caption = escape(picture.caption)
+    wide = ' class="wide"' if picture.figure.get_figwidth() > 5.5 else ""
+    image = f'<img src="data:image/png;base64,{data}" alt="{caption}">'
+    return f"<figure{wide}>{image}<figcaption>{caption}</figcaption></figure>\n"
+
+
+def _table(table: Table) -> str:
+    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in table.columns)
+    head = f"<thead><tr>{head}</tr></thead>" if head else ""
+    body = "".join(_row(row) for row in table.rows)
+    content = f'<div class="scroll"><table>{head}<tbody>{body}</tbody></table></div>'
+    return f'<div class="table"><h2>{escape(table.title)}</h2>{content}{_paragraph(table.note)}</div>\n'
+
+
+def _row(row: Sequence[Any]) -> str:
+    first, *others = row
+    cells = "".join(
+        f'<td class="number">{escape(formatted(value))}</td>'
+        if isinstance(value, (int, float)) and not isinstance(value, bool)
+        else f"<td>{escape(formatted(value))}</td>"
+        for value in others
+    )
+    return f'<tr><th scope="row">{escape(formatted(first))}</th>{cells}</tr>'

@@ -1,0 +1,46 @@
+"""The stylesheet of the report: light and dark, wide and narrow, on screen and on paper."""
+
+STYLESHEET = """
+:root {
+  --page: #f6f6f4; --card: #ffffff; --text: #1d2026; --faint: #5d6470; --line: #dfe1e5; --accent: #2c5fa8;
+}
+@media (prefers-color-scheme: dark) {
+  :root { --page: #14161a; --card: #1e2127; --text: #e8eaee; --faint: #a2a9b5; --line: #343943; --accent: #8db4e2; }
+}
+* { box-sizing: border-box; }
+body {
+  margin: 0 auto; padding: 2rem clamp(1rem, 4vw, 3rem) 3rem; max-width: 70rem;
+  background: var(--page); color: var(--text);
+  font: 1rem/1.5 system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", sans-serif;
+}
+header { border-bottom: 3px solid var(--accent); margin-bottom: 1.5rem; padding-bottom: .75rem; }
+h1 { font-size: 1.6rem; line-height: 1.25; margin: 0; overflow-wrap: anywhere; }
+header p { margin: .35rem 0 0; color: var(--faint); overflow-wrap: anywhere; }
+h2 { font-size: 1.05rem; margin: 0 0 .6rem; }
+.pictures { display: grid; gap: 1.25rem; align-items: start;
+  grid-template-columns: repeat(auto-fit, minmax(min(24rem, 100%), 1fr)); }
+figure, .table { margin: 0; background: var(--card); border: 1px solid var(--line); border-radius: .6rem;
+  overflow: hidden; }
+figure.wide { grid-column: 1 / -1; }
+/* The pictures are made for white paper: they keep it at night. */
+figure img {
+  display: block; width: 100%; max-height: 44rem; object-fit: contain; background: #ffffff; padding: .75rem;
+}
+figcaption { padding: .7rem 1rem .8rem; border-top: 1px solid var(--line); font-size: .92rem;
+  color: var(--faint); }
+.tables { display: grid; gap: 1.25rem; margin-top: 1.25rem; align-items: start;
+  grid-template-columns: repeat(auto-fit, minmax(min(24rem, 100%), 1fr)); }
+.table { padding: 1rem; }
+.table p { margin: .6rem 0 0; font-size: .9rem; color: var(--faint); }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; width: 100%; font-size: .92rem; }
+th, td { text-align: left; padding: .32rem .8rem .32rem 0; border-top: 1px solid var(--line);
+  vertical-align: top; overflow-wrap: anywhere; }
+thead th, tr:first-child > * { border-top: 0; }
+thead + tbody tr:first-child > * { border-top: 1px solid var(--line); }
+thead th { color: var(--faint); font-weight: 600; }
+tbody th { font-weight: 500; }
+.number { font-variant-numeric: tabular-nums; white-space: nowrap; }
+footer { margin-top: 1.5rem; font-size: .88rem; color: var(--faint); overflow-wrap: anywhere; }
+@media print { body { background: #ffffff; color: #000000; padding: 0; } figure, .table { break-inside: avoid; } }
+"""
