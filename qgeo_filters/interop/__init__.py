@@ -21,7 +21,7 @@ from qgeo_filters.interop.raw import RawMesh, triangles
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_attributes
 
-__all__ = ["RawMesh", "as_surface", "like_host", "raw_mesh", "with_vertices"]
+__all__ = ["RawMesh", "as_surface", "has_adapter", "like_host", "raw_mesh", "with_vertices"]
 
 _ADAPTERS = {"open3d": "open3d", "pymeshlab": "meshlab", "pyvista": "pyvista", "trimesh": "trimesh"}
 
@@ -84,7 +84,7 @@ def raw_mesh(obj: Any, *, repair: bool = False) -> RawMesh:
     )
 
 
-def like_host(host: Any, surface: Surface, attributes: Mapping[str, npt.ArrayLike]) -> Any:
+def like_host(host: Any, surface: Surface | None, attributes: Mapping[str, npt.ArrayLike]) -> Any:
     """Copy of the host object with per-vertex attributes added, equal names replaced.
 
     Parameters
@@ -92,8 +92,8 @@ def like_host(host: Any, surface: Surface, attributes: Mapping[str, npt.ArrayLik
     host : see `as_surface`
         Not changed; all that it holds itself (attributes per vertex and per face, colours, texture
         coordinates, materials, other layers) is in the copy.
-    surface : Surface
-        ``as_surface(host)``.
+    surface : Surface or None
+        ``as_surface(host)``, or None for a mesh of another library that no `Surface` can hold.
     attributes : mapping of str to array-like, shape (n,) or (n, ...)
 
     Returns
@@ -102,9 +102,17 @@ def like_host(host: Any, surface: Surface, attributes: Mapping[str, npt.ArrayLik
         Of the same kind. A legacy Open3D mesh, which holds no attributes, comes back as the tensor kind; a
         bare pymeshlab.Mesh as a MeshSet; a pair, a path and an unknown object as a `Surface`.
     """
-    checked = checked_attributes(attributes, surface.n_vertices)
+    n_vertices = len(np.asarray(raw_mesh(host, repair=True).vertices)) if surface is None else surface.n_vertices
+    checked = checked_attributes(attributes, n_vertices)
     adapter = _adapter(host)
-    return surface.with_attributes(checked) if adapter is None else adapter.write(host, checked)
+    if adapter is not None:
+        return adapter.write(host, checked)
+    return (as_surface(host) if surface is None else surface).with_attributes(checked)
+
+
+def has_adapter(obj: Any) -> bool:
+    """Whether the object is a mesh of another library, which `like_host` copies in kind."""
+    return _adapter(obj) is not None
 
 
 def with_vertices(host: Any, vertices: npt.ArrayLike) -> Any:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.errors import MeshError
-from qgeo_filters.interop.raw import RawMesh
+from qgeo_filters.interop.raw import RawMesh, counted
 
 
 def read(mesh: Any, repair: bool) -> RawMesh:
@@ -20,21 +20,21 @@ def read(mesh: Any, repair: bool) -> RawMesh:
     MeshError
         No PolyData, or one with polygons or strips (`repair` triangulates them).
     """
-    if not hasattr(mesh, "is_all_triangles") or not hasattr(mesh, "n_strips"):
+    if not hasattr(mesh, "GetPolys"):
         raise MeshError(
             f"a PyVista {type(mesh).__qualname__} is no surface: pass mesh.extract_surface().triangulate() instead"
         )
     notes: tuple[str, ...] = ()
-    if mesh.n_strips or not mesh.is_all_triangles:
+    corners, n_strips = _corners(mesh), mesh.GetNumberOfStrips()
+    n_polygons = int((corners != 3).sum())
+    if n_polygons or n_strips:
         if not repair:
-            polygons = mesh.n_faces_strict - int((_corners(mesh) == 3).sum())
             raise MeshError(
-                f"the PolyData has {polygons} polygons and {mesh.n_strips} strips among its {mesh.n_faces_strict} "
-                "faces: pass mesh.triangulate(), or repair=True"
+                f"the PolyData has {counted(n_polygons, 'polygon')} and {counted(n_strips, 'strip')} beside its "
+                f"{counted(len(corners) - n_polygons, 'triangle')}: pass mesh.triangulate(), or repair=True"
             )
-        faces_before = mesh.n_faces_strict
         mesh = mesh.triangulate()
-        notes = (f"{faces_before} faces and strips triangulated into {mesh.n_faces_strict} triangles",)
+        notes = (f"{counted(n_polygons, 'polygon')} and {counted(n_strips, 'strip')} split into triangles",)
     attributes = {name: np.asarray(values) for name, values in mesh.point_data.items()}
     return RawMesh(np.asarray(mesh.points), np.asarray(mesh.faces).reshape(-1, 4)[:, 1:], attributes, notes)
 
