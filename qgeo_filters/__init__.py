@@ -39,7 +39,7 @@ _HOME = {
     "DifferentialCoordinates": "filters.differential",
     "CorrectedNormals": "filters.differential",
     "SurfaceScalar": "filters.differential",
-    "PrincipalCurvatures": "filters.differential",
+    "Curvatures": "filters.differential",
     "QuasiGeodesicDistances": "filters.geodesics",
     "QuasiGeodesicSpectrum": "filters.spectral",
     "LaplacianSpectrum": "filters.spectral",
@@ -50,7 +50,7 @@ _HOME = {
 }
 _MODULES = ("testing", "evaluation")
 
-__all__ = [*_HOME, *_MODULES, "__version__"]  # noqa: PLE0604
+__all__ = [*_HOME, *_MODULES, "__version__"]
 
 
 def __getattr__(name: str) -> Any:

@@ -93,7 +93,7 @@ class StageCache:
             if key in self._entries:
                 self._entries.move_to_end(key)
                 self.hits += 1
-                return self._entries[key]  # type: ignore[no-any-return]
+                return self._entries[key]
         value, loaded = self._load(key)
         if not loaded:
             value = compute()
@@ -104,7 +104,7 @@ class StageCache:
             self.misses += not loaded
             self._entries[key] = value
             self._shrink()
-        return value  # type: ignore[no-any-return]
+        return value
 
     @contextmanager
     def held(self) -> Iterator[None]:

@@ -56,8 +56,14 @@ class Paint(Filter):
         """Colours by attribute name."""
         values = self._values(surface)
         finite = np.isfinite(values)
-        low = self.vmin if self.vmin is not None else float(values[finite].min(initial=0 if not finite.any() else np.inf))
-        high = self.vmax if self.vmax is not None else float(values[finite].max(initial=0 if not finite.any() else -np.inf))
+        low = (
+            self.vmin if self.vmin is not None else float(values[finite].min(initial=0 if not finite.any() else np.inf))
+        )
+        high = (
+            self.vmax
+            if self.vmax is not None
+            else float(values[finite].max(initial=0 if not finite.any() else -np.inf))
+        )
         if self.centred:
             high = max(abs(low), abs(high))
             low = -high
@@ -77,7 +83,7 @@ class Paint(Filter):
         if self.component is not None:
             if not 0 <= self.component < values.shape[1]:
                 raise MeshError(
-                    f"attribute {self.attribute!r} has {values.shape[1]} columns, there is no component {self.component}"
+                    f"attribute {self.attribute!r} has {values.shape[1]} columns, but component is {self.component}"
                 )
             return values[:, self.component]
         return values[:, 0] if values.shape[1] == 1 else np.linalg.norm(values, axis=1)

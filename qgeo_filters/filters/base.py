@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
 from qgeo_filters.caching import cache
-from qgeo_filters.interop import as_surface, like_host
+from qgeo_filters.errors import MeshError
+from qgeo_filters.interop import as_surface, has_adapter, like_host
 from qgeo_filters.interop.repair import Repair, repair_surface
 from qgeo_filters.surface import Surface
 
@@ -47,12 +48,14 @@ class Filter:
 
         Parameters
         ----------
-        mesh : open3d.t.geometry.TriangleMesh, open3d.geometry.TriangleMesh, pymeshlab.MeshSet, pyvista.PolyData, Surface, (V, F) or path
-            A legacy Open3D mesh comes back as the tensor kind, a ``(V, F)`` pair and a path as a `Surface`.
+        mesh : mesh object, (V, F) or path
+            Whatever `as_surface` takes: a mesh of Open3D, PyMeshLab, PyVista or trimesh, a `Surface`. A legacy
+            Open3D mesh comes back as the tensor kind, a ``(V, F)`` pair and a path as a `Surface`.
         repair : bool
             Work on a repaired copy where the mesh is not manifold or not in one piece. Attributes are
             carried back to the vertices of the input (NaN, or -1 for indices, where a vertex had to go);
-            ``repair_`` says what was changed.
+            ``repair_`` says what was changed. Where not even a `Surface` can hold the input (a pair or file
+            with indices out of range, say), the repaired `Surface` is returned.
         progress : bool
             Show progress bars.
 
@@ -61,34 +64,39 @@ class Filter:
         MeshError
             For a mesh that the filter cannot take; the message names what is wrong, where and how often.
         """
-        surface = mesh if isinstance(mesh, Surface) else as_surface(mesh, repair=False)
+        self.repair_ = None
         with cache.held():
             if not repair:
-                self.repair_ = None
+                surface = as_surface(mesh)
                 return like_host(mesh, surface, _added(surface, self.apply(surface, progress)))
-            self.repair_ = repair_surface(surface)
+            self.repair_ = repair_surface(mesh)
             fixed = self.repair_.surface
             added = _added(fixed, self.apply(fixed, progress))
-        return like_host(mesh, surface, {name: self._carried_back(name, added[name]) for name in added})
+        back = {name: self._carried_back(self.repair_, name, values) for name, values in added.items()}
+        try:
+            return like_host(mesh, as_surface(mesh), back)
+        except MeshError:
+            if has_adapter(mesh):
+                return like_host(mesh, None, back)
+            return fixed.with_attributes(added)
 
-    def _carried_back(self, name: str, values: np.ndarray) -> np.ndarray:
-        assert self.repair_ is not None
+    def _carried_back(self, repair: Repair, name: str, values: np.ndarray) -> np.ndarray:
         if name in self.index_outputs:
-            values = np.where(values >= 0, self.repair_.origin[np.maximum(values, 0)], -1)
-        return self.repair_.map_back(values)
+            values = np.where(values >= 0, repair.origin[np.maximum(values, 0)], -1)
+        return repair.map_back(values)
 
     # -- parameters ---------------------------------------------------------------------------------
 
     @classmethod
     def _parameter_names(cls) -> list[str]:
-        return [name for name in inspect.signature(cls).parameters]
+        return list(inspect.signature(cls).parameters)
 
     def get_params(self, deep: bool = True) -> dict[str, Any]:
         """Constructor arguments by name; ``deep`` is accepted for scikit-learn's sake."""
         return {name: getattr(self, name) for name in self._parameter_names()}
 
     def set_params(self: FilterType, **params: Any) -> FilterType:
-        """This filter with some arguments replaced, in place; unknown names raise ValueError."""
+        """The filter with some arguments replaced, in place; unknown names raise ValueError."""
         names = self._parameter_names()
         for name, value in params.items():
             if name not in names:
@@ -132,6 +140,3 @@ def registered(cls: type[FilterType]) -> type[FilterType]:
     """Class decorator: a saved pipeline may name this filter."""
     REGISTRY[cls.__name__] = cls
     return cls
-
-
-Compute = Callable[[Surface], np.ndarray]

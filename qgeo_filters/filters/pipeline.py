@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import yaml
 
-from qgeo_filters.filters.base import REGISTRY, Filter
 from qgeo_filters.atomic import atomic_write
+from qgeo_filters.filters.base import REGISTRY, Filter
 from qgeo_filters.surface import Surface
 
 FORMAT = 1

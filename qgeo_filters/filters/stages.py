@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from qgeo_filters.caching import cache, content_key
+from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import LiftedMetric
 from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum
 from qgeo_filters.surface import Surface
-
-Scalar = str | npt.ArrayLike | Callable[[np.ndarray], np.ndarray]
 
 
 def metric_of(surface: Surface, scalar: Scalar, weight: float, smoothing: float = 0.0) -> LiftedMetric:
@@ -30,15 +27,13 @@ def metric_of(surface: Surface, scalar: Scalar, weight: float, smoothing: float 
 def matrix_of(metric: LiftedMetric, method: str, accuracy: float, progress: bool = False) -> np.ndarray:
     """All-pairs distances of a metric, see `distance_matrix`."""
     key = content_key("matrix", metric.edge_lengths, metric.surface.faces, metric.surface.n_vertices, method, accuracy)
-    return cache.get(
-        key, lambda: distance_matrix(metric.surface, metric, method, accuracy=accuracy, progress=progress)
-    )
+    return cache.get(key, lambda: distance_matrix(metric.surface, metric, method, accuracy=accuracy, progress=progress))
 
 
 def spectrum_of(
     metric: LiftedMetric,
     k: int,
-    weights: str,
+    weights: Literal["area", "uniform"],
     landmarks: int | None,
     method: str,
     accuracy: float,
@@ -49,9 +44,7 @@ def spectrum_of(
 
     def compute() -> Spectrum:
         matrix = None if landmarks else matrix_of(metric, method, accuracy, progress)
-        return distance_spectrum(
-            surface, k, metric, weights, landmarks=landmarks, matrix=matrix, progress=progress
-        )
+        return distance_spectrum(surface, k, metric, weights, landmarks=landmarks, matrix=matrix, progress=progress)
 
     # The vertices enter as well as the lengths: areas and signs are those of the surface.
     key = content_key(

@@ -1,0 +1,152 @@
+"""Methods of ``pymeshlab.MeshSet`` in PyMeshLab's own naming and habits, bound by `register_pymeshlab`.
+
+As PyMeshLab's filters do, they change the current mesh in place, set the per-vertex scalar (its "quality"), take
+keyword arguments in lower case without underscores, and return a dictionary.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+
+from qgeo_filters.differential.scalar import Scalar
+from qgeo_filters.errors import MeshError, require_package
+from qgeo_filters.filters.base import Filter
+from qgeo_filters.filters.differential import DifferentialCoordinates, SurfaceScalar
+from qgeo_filters.filters.geodesics import QuasiGeodesicDistances
+from qgeo_filters.filters.spectral import QuasiGeodesicSpectrum
+from qgeo_filters.interop import as_surface
+from qgeo_filters.surface import Surface
+
+
+def compute_scalar_by_quasi_geodesic_distance_from_given_point_per_vertex(
+    meshset: Any,
+    *,
+    startpoint: npt.ArrayLike = (0.0, 0.0, 0.0),
+    curvatureweight: float = 0.03,
+    scalar: Scalar = "mean_curvature",
+) -> dict[str, Any]:
+    """Set the scalar to the quasi-geodesic distance from the vertex nearest to a point.
+
+    Parameters
+    ----------
+    startpoint : (3,) array-like
+        In the coordinates of the mesh.
+    curvatureweight, scalar
+        Of the metric, see `qgeo_filters.QuasiGeodesicDistances`.
+
+    Returns
+    -------
+    dict
+        ``start_vertex``, and ``maximum`` of the finite distances. Unreachable vertices get ``inf``.
+    """
+    surface = as_surface(meshset)
+    point = np.asarray(startpoint, dtype=float)
+    if point.shape != (3,) or not np.isfinite(point).all():
+        raise MeshError(f"startpoint must be three finite coordinates, got {startpoint!r}")
+    start = int(cKDTree(surface.vertices).query(point)[1])
+    distance = _run(meshset, surface, QuasiGeodesicDistances(start, scalar, curvatureweight))["qgeo_distance"]
+    return {"start_vertex": start, "maximum": float(distance[np.isfinite(distance)].max())}
+
+
+def compute_scalar_by_quasi_geodesic_spectrum_per_vertex(
+    meshset: Any,
+    *,
+    component: int = 0,
+    k: int = 20,
+    curvatureweight: float = 0.03,
+    scalar: Scalar = "mean_curvature",
+) -> dict[str, Any]:
+    """Set the scalar to one eigenfunction of the quasi-geodesic distances.
+
+    Parameters
+    ----------
+    component : int
+        Which of the ``k`` eigenfunctions, from 0.
+    k, curvatureweight, scalar
+        See `qgeo_filters.QuasiGeodesicSpectrum`.
+
+    Returns
+    -------
+    dict
+        ``eigenvalues`` (k,) and ``eigenfunctions`` (n, k).
+    """
+    if not 0 <= component < k:
+        raise ValueError(f"component must lie between 0 and k - 1 = {k - 1}, got {component}")
+    surface = as_surface(meshset)
+    filter = QuasiGeodesicSpectrum(k, scalar, curvatureweight)
+    _run(meshset, surface, filter, component)
+    return {
+        "eigenvalues": filter.spectrum_.eigenvalues.copy(),
+        "eigenfunctions": filter.spectrum_.eigenfunctions.copy(),
+    }
+
+
+def compute_scalar_by_lifted_metric_scalar_per_vertex(
+    meshset: Any, *, scalar: Scalar = "mean_curvature", smoothing: float = 0.0
+) -> dict[str, Any]:
+    """Set the scalar to the function f that bends the metric, see `qgeo_filters.SurfaceScalar`."""
+    _run(meshset, as_surface(meshset), SurfaceScalar(scalar, smoothing=smoothing))
+    return {}
+
+
+def compute_scalar_by_differential_norm_per_vertex(meshset: Any, *, weights: Any = "uniform") -> dict[str, Any]:
+    """Set the scalar to the length of the differential coordinate, see `qgeo_filters.DifferentialCoordinates`."""
+    surface = as_surface(meshset)
+    delta = DifferentialCoordinates(weights).compute(surface)["qgeo_delta"]
+    _set_scalar(meshset, "qgeo_differential_norm", np.linalg.norm(delta, axis=1))
+    return {}
+
+
+METHODS: tuple[Callable[..., dict[str, Any]], ...] = (
+    compute_scalar_by_quasi_geodesic_distance_from_given_point_per_vertex,
+    compute_scalar_by_quasi_geodesic_spectrum_per_vertex,
+    compute_scalar_by_lifted_metric_scalar_per_vertex,
+    compute_scalar_by_differential_norm_per_vertex,
+)
+
+
+def register_pymeshlab() -> list[str]:
+    """Names of the methods that are bound to ``pymeshlab.MeshSet``; calling it twice does no harm.
+
+    Raises
+    ------
+    MissingPackageError
+        If PyMeshLab is not installed.
+    """
+    pymeshlab = require_package("pymeshlab", "meshlab", "register_pymeshlab")
+    for method in METHODS:
+        setattr(pymeshlab.MeshSet, method.__name__, method)
+    return [method.__name__ for method in METHODS]
+
+
+def _run(meshset: Any, surface: Surface, filter: Filter, component: int | None = None) -> Mapping[str, np.ndarray]:
+    result = filter.compute(surface)
+    ((name, values),) = result.items()
+    _set_scalar(meshset, name, values if component is None else values[:, component])
+    return result
+
+
+def _set_scalar(meshset: Any, name: str, values: np.ndarray) -> None:
+    """Set the scalar of the current mesh, in place.
+
+    PyMeshLab sets it from expressions alone, and an expression can read a custom attribute, which can be
+    neither removed nor replaced by an array: so the first free ``name``, ``name_v2``, ``name_v3`` ... is used.
+    """
+    pymeshlab = require_package("pymeshlab", "meshlab", "a PyMeshLab mesh")
+    mesh = meshset.current_mesh()
+    version, free = 1, name
+    while True:
+        try:
+            mesh.add_vertex_custom_scalar_attribute(np.array(values, dtype=np.float64), free)
+            break
+        except pymeshlab.PyMeshLabException:
+            version += 1
+            free = f"{name}_v{version}"
+            if version > 10_000:
+                raise
+    meshset.compute_scalar_by_function_per_vertex(q=free)

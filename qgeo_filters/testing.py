@@ -1,0 +1,215 @@
+"""Conformance suite that every filter passes, for the package's own filters and for anyone who writes one.
+
+>>> qg.testing.check_filter(MyFilter(k=3))  # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import inspect
+import pickle
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from qgeo_filters.errors import MeshError
+from qgeo_filters.filters.base import REGISTRY, Filter
+from qgeo_filters.filters.pipeline import Pipeline
+from qgeo_filters.surface import Surface
+
+
+def sample_surface() -> Surface:
+    """A closed, lopsided surface of 162 vertices without any symmetry, for tests."""
+    golden = (1 + 5**0.5) / 2
+    corners = [[s * 1.0, t * golden, 0.0] for s in (-1, 1) for t in (-1, 1)]
+    vertices = np.array([np.roll(corner, shift) for shift in range(3) for corner in corners])
+    gaps = np.linalg.norm(vertices[:, None] - vertices, axis=2)
+    close = np.abs(gaps - 2) < 1e-9
+    faces = [
+        [i, j, k] for i in range(12) for j in range(i) for k in range(j) if close[i, j] and close[j, k] and close[k, i]
+    ]
+    for _ in range(2):
+        vertices, faces = _refined(vertices, faces)
+    triangles = np.array(faces)
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), a) < 0
+    triangles[inward] = triangles[inward][:, ::-1]
+    x, y, z = (vertices / np.linalg.norm(vertices, axis=1, keepdims=True)).T
+    radius = 1 + 0.25 * x + 0.2 * x * y - 0.15 * z**3 + 0.3 * y**2 * z
+    return Surface(np.column_stack([1.4 * x, y, 0.8 * z]) * radius[:, None], triangles)
+
+
+def _refined(vertices: np.ndarray, faces: Any) -> tuple[np.ndarray, list[list[int]]]:
+    surface = Surface(vertices, faces)
+    middle = surface.face_edges + surface.n_vertices
+    split = [np.column_stack([surface.faces[:, k], middle[:, k], middle[:, (k + 2) % 3]]) for k in range(3)]
+    points = np.concatenate([vertices, vertices[surface.edges].mean(axis=1)])
+    radius = np.linalg.norm(vertices[0])
+    points *= radius / np.linalg.norm(points, axis=1, keepdims=True)
+    return points, np.concatenate([*split, middle]).tolist()
+
+
+def check_filter(filter: Filter, surface: Surface | None = None) -> None:
+    """Nothing, if the filter keeps the contract of `Filter`; AssertionError with a sentence otherwise.
+
+    Parameters
+    ----------
+    filter : Filter
+    surface : Surface, optional
+        A mesh that the filter can take; `sample_surface` by default.
+
+    Notes
+    -----
+    Checked: the constructor only stores; ``repr``, ``get_params``, ``set_params`` and ``clone`` agree; calling
+    changes neither the filter's parameters nor its input (read-only arrays are given); the same input gives the
+    same output bit for bit; exactly the attributes of `outputs` are added, one row per vertex, finite or
+    ``inf``; composition, pickling and YAML keep the filter; every installed host gets its own kind back
+    with the same values; a mesh that is no surface is either taken or refused with a `MeshError`.
+    """
+    surface = surface or sample_surface()
+    for check in (_parameters, _purity, _declared_outputs, _composition, _serialisation, _hosts, _refusal):
+        check(filter.clone(), surface)
+
+
+def _same(a: Any, b: Any) -> bool:
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        return np.array_equal(a, b)
+    return a is b or a == b
+
+
+def _parameters(filter: Filter, surface: Surface) -> None:
+    kind = type(filter).__name__
+    params = filter.get_params()
+    for name, parameter in inspect.signature(type(filter)).parameters.items():
+        assert parameter.default is not inspect.Parameter.empty, f"{kind}: parameter {name} has no default"
+    extra = set(vars(filter)) - set(params)
+    assert not extra, f"{kind}: the constructor sets more than its parameters: {sorted(extra)}"
+    copy = filter.clone()
+    assert copy is not filter, f"{kind}: clone returns the filter itself"
+    for name, value in params.items():
+        assert copy.get_params()[name] is value or _same(copy.get_params()[name], value) or kind == "Pipeline", (
+            f"{kind}: clone changes {name}"
+        )
+    assert filter.set_params(**params) is filter, f"{kind}: set_params must return the filter"
+    try:
+        filter.set_params(surely_no_parameter=1)
+    except ValueError as error:
+        assert "surely_no_parameter" in str(error), f"{kind}: the error must name the unknown parameter"
+    else:
+        raise AssertionError(f"{kind}: set_params takes an unknown name")
+    assert repr(filter).startswith((kind, "Pipeline")) or kind == "Pipeline", f"{kind}: repr must begin with the name"
+    for name in params if kind != "Pipeline" else ():
+        assert f"{name}=" in repr(filter), f"{kind}: repr does not show {name}"
+
+
+def _purity(filter: Filter, surface: Surface) -> None:
+    kind = type(filter).__name__
+    params = dict(filter.get_params())
+    vertices, faces = surface.vertices.copy(), surface.faces.copy()
+    before = {name: values.copy() for name, values in surface.attributes.items()}
+    first, second = filter.apply(surface), filter.clone().apply(Surface(vertices, faces, before))
+    assert np.array_equal(surface.vertices, vertices), f"{kind}: the input's vertices were changed"
+    assert np.array_equal(surface.faces, faces), f"{kind}: the input's faces were changed"
+    assert set(surface.attributes) == set(before), f"{kind}: attributes were added to the input itself"
+    for name, values in first.attributes.items():
+        assert np.array_equal(values, second.attributes[name], equal_nan=values.dtype.kind == "f"), (
+            f"{kind}: two calls disagree on {name}"
+        )
+    for name, value in filter.get_params().items():
+        assert value is params[name], f"{kind}: the call changed the parameter {name}"
+
+
+def _declared_outputs(filter: Filter, surface: Surface) -> None:
+    kind = type(filter).__name__
+    result = filter.compute(surface)
+    assert set(result) == set(filter.outputs), f"{kind}: outputs declares {set(filter.outputs)}, made {set(result)}"
+    for name, values in result.items():
+        assert len(values) == surface.n_vertices, f"{kind}: {name} has {len(values)} rows"
+        assert not np.isnan(np.asarray(values, dtype=float)).any(), f"{kind}: {name} holds NaN"
+    assert filter.index_outputs <= set(filter.outputs), f"{kind}: index_outputs names what outputs does not"
+
+
+def _composition(filter: Filter, surface: Surface) -> None:
+    from qgeo_filters.filters.differential import DifferentialCoordinates
+
+    pipeline = filter | DifferentialCoordinates()
+    assert isinstance(pipeline, Pipeline), f"{type(filter).__name__}: | must give a Pipeline"
+    together = pipeline.apply(surface).attributes
+    for name in [*filter.outputs, "qgeo_delta"]:
+        assert name in together, f"{type(filter).__name__}: {name} is lost in a pipeline"
+
+
+def _serialisation(filter: Filter, surface: Surface) -> None:
+    kind = type(filter).__name__
+    assert repr(pickle.loads(pickle.dumps(filter))) == repr(filter), f"{kind}: pickling changes the filter"
+    pipeline = filter if isinstance(filter, Pipeline) else Pipeline([filter])
+    if any(type(step).__name__ not in REGISTRY for step in pipeline.steps):
+        return  # not `registered`: saved pipelines do not know it
+    try:
+        text = pipeline.to_yaml()
+    except ValueError:
+        return  # a parameter that text cannot hold, said in one sentence
+    assert Pipeline.from_yaml(text).to_yaml() == text, f"{kind}: YAML changes the filter"
+
+
+def _hosts(filter: Filter, surface: Surface) -> None:
+    from qgeo_filters.interop import as_surface
+
+    kind = type(filter).__name__
+    expected = filter.apply(surface).attributes
+    for module, make in _HOSTS.items():
+        if importlib.util.find_spec(module) is None:
+            continue
+        mesh = make(surface)
+        result = filter(mesh)
+        assert type(result) is type(mesh), f"{kind}: {module} gave {type(mesh)} and got {type(result)}"
+        found = as_surface(result).attributes
+        for name in filter.outputs:
+            assert name in found, f"{kind}: {name} does not reach {module}"
+            # Hosts hold coordinates, and so everything that follows from them, in double precision or less.
+            a, b = np.asarray(found[name], float), np.asarray(expected[name], float)
+            finite = np.isfinite(b)
+            scale = np.abs(b[finite]).max(initial=1e-300)
+            assert np.allclose(a.reshape(b.shape)[finite], b[finite], atol=1e-3 * scale), (
+                f"{kind}: {name} differs in {module}"
+            )
+
+
+def _refusal(filter: Filter, surface: Surface) -> None:
+    fan = Surface([[0, 0, 0], [0, 0, 1], [1, 0, 0], [-1, 1, 0], [-1, -1, 0]], [[0, 1, 2], [0, 1, 3], [0, 1, 4]])
+    try:
+        filter(fan)
+    except (MeshError, ValueError) as error:
+        assert str(error), f"{type(filter).__name__}: refuses without a sentence"
+
+
+def _open3d_tensor(surface: Surface) -> Any:
+    import open3d as o3d
+
+    mesh = o3d.t.geometry.TriangleMesh()
+    mesh.vertex.positions = o3d.core.Tensor(np.array(surface.vertices))
+    mesh.triangle.indices = o3d.core.Tensor(np.array(surface.faces))
+    for name, values in surface.attributes.items():
+        mesh.vertex[name] = o3d.core.Tensor(np.array(values).reshape(surface.n_vertices, -1))
+    return mesh
+
+
+def _meshset(surface: Surface) -> Any:
+    import pymeshlab
+
+    meshes = pymeshlab.MeshSet()
+    meshes.add_mesh(pymeshlab.Mesh(np.array(surface.vertices), np.array(surface.faces)))
+    return meshes
+
+
+def _polydata(surface: Surface) -> Any:
+    import pyvista
+
+    mesh = pyvista.PolyData.from_regular_faces(np.array(surface.vertices), np.array(surface.faces))
+    for name, values in surface.attributes.items():
+        mesh.point_data[name] = np.array(values)
+    return mesh
+
+
+_HOSTS: dict[str, Callable[[Surface], Any]] = {"open3d": _open3d_tensor, "pymeshlab": _meshset, "pyvista": _polydata}

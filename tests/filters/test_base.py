@@ -1,0 +1,150 @@
+"""Filters as objects: parameters, purity, composition, repair."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from shapes import bow_tie, icosphere
+
+import qgeo_filters as qg
+from qgeo_filters.filters.base import REGISTRY, Filter
+from qgeo_filters.testing import check_filter, sample_surface
+
+FILTERS = [
+    qg.DifferentialCoordinates(),
+    qg.DifferentialCoordinates(weights="cotangent"),
+    qg.CorrectedNormals(),
+    qg.Curvatures(radius=3),
+    qg.SurfaceScalar("gaussian_curvature", smoothing=0.05),
+    qg.QuasiGeodesicDistances(sources=3),
+    qg.QuasiGeodesicDistances(sources=[3, 7], curvature_weight=0.0, method="exact"),
+    qg.QuasiGeodesicSpectrum(k=6),
+    qg.LaplacianSpectrum(k=5),
+    qg.SurfaceScalar() | qg.Paint("qgeo_scalar"),
+    qg.TransferAttributes(sample_surface().with_attributes({"height": sample_surface().vertices[:, 2]})),
+]
+
+
+@pytest.mark.parametrize("filter", FILTERS, ids=lambda filter: type(filter).__name__)
+def test_every_filter_keeps_the_contract(filter: Filter) -> None:
+    """The package's own conformance suite; it raises AssertionError with a sentence."""
+    assert check_filter(filter) is None
+
+
+def test_every_registered_filter_is_public_and_tested() -> None:
+    tested = {type(step).__name__ for filter in FILTERS for step in getattr(filter, "steps", [filter])}
+    assert set(REGISTRY) <= tested
+    for name, cls in REGISTRY.items():
+        assert getattr(qg, name) is cls
+
+
+class _Broken(Filter):
+    """A filter that breaks one rule, to see that the suite notices."""
+
+    outputs = {"qgeo_broken": "(n,)"}
+
+    def __init__(self, how: str = "none") -> None:
+        self.how = how
+        if how == "constructor":
+            self.extra = 1
+
+    def compute(self, surface: qg.Surface, progress: bool = False) -> dict[str, np.ndarray]:
+        if self.how == "names":
+            return {"qgeo_other": np.zeros(surface.n_vertices)}
+        if self.how == "random":
+            return {"qgeo_broken": np.random.default_rng().normal(size=surface.n_vertices)}
+        if self.how == "nan":
+            return {"qgeo_broken": np.full(surface.n_vertices, np.nan)}
+        if self.how == "parameter":
+            self.how = "changed"
+        return {"qgeo_broken": np.zeros(surface.n_vertices)}
+
+
+def test_the_suite_accepts_a_good_filter() -> None:
+    assert check_filter(_Broken()) is None
+
+
+@pytest.mark.parametrize(
+    ("how", "sentence"),
+    [
+        ("constructor", "sets more than its parameters"),
+        ("names", "outputs declares"),
+        ("random", "two calls disagree"),
+        ("nan", "holds NaN"),
+        ("parameter", "changed the parameter how"),
+    ],
+)
+def test_the_suite_notices_a_broken_filter(how: str, sentence: str) -> None:
+    with pytest.raises(AssertionError, match=sentence):
+        check_filter(_Broken(how))
+
+
+def test_unknown_parameter_is_refused_by_name() -> None:
+    with pytest.raises(ValueError, match="QuasiGeodesicSpectrum has no parameter 'K'; it has k, scalar"):
+        qg.QuasiGeodesicSpectrum().set_params(K=3)
+
+
+def test_repr_evaluates_to_an_equal_filter() -> None:
+    filter = qg.QuasiGeodesicSpectrum(k=7, curvature_weight=0.1)
+    again = eval(repr(filter), {"QuasiGeodesicSpectrum": qg.QuasiGeodesicSpectrum})
+    assert again.get_params() == filter.get_params()
+
+
+def test_a_broken_mesh_is_refused_and_taken_when_repaired() -> None:
+    vertices, faces = icosphere(2)
+    # A second sphere that touches the first in one vertex: that vertex has two fans.
+    touching = np.concatenate([vertices, 0.3 * vertices[1:] + 1.3 * vertices[0]])
+    # Vertex 0 of the small sphere is replaced by the big one's.
+    second = np.where(faces == 0, 0, faces + len(vertices) - 1)
+    both = np.concatenate([faces, second])
+    spectrum = qg.QuasiGeodesicSpectrum(k=4)
+    with pytest.raises(qg.NonManifoldError, match=r"vertex 0 form more than one fan \(1 such vertex: 0\)"):
+        spectrum((touching, both))
+    result = spectrum((touching, both), repair=True)
+    assert result.n_vertices == len(touching)
+    phi = result.attributes["qgeo_phi"]
+    # The larger sphere is kept, the rest has no value rather than a made-up one.
+    assert np.isfinite(phi[: len(vertices)]).all()
+    assert np.isnan(phi[len(vertices) :]).all()
+    assert spectrum.repair_ is not None
+    assert spectrum.repair_.report
+    clean = spectrum((vertices, faces))
+    assert spectrum.repair_ is None
+    assert np.allclose(np.abs(clean.attributes["qgeo_phi"][:, 0]), np.abs(phi[: len(vertices), 0]), rtol=1e-4)
+
+
+def test_bow_tie_names_the_vertex() -> None:
+    with pytest.raises(qg.NonManifoldError, match="vertex 0"):
+        qg.QuasiGeodesicDistances()(bow_tie())
+
+
+def test_paint_says_which_attributes_there_are() -> None:
+    with pytest.raises(qg.MeshError, match="no attribute 'qgeo_phi' to paint; the mesh has qgeo_delta"):
+        (qg.DifferentialCoordinates() | qg.Paint("qgeo_phi"))(icosphere(1))
+
+
+def test_paint_maps_the_range_to_the_map_and_the_rest_to_grey() -> None:
+    surface = sample_surface()
+    values = surface.vertices[:, 0].copy()
+    values[5] = np.inf
+    painted = qg.Paint("x", colormap="viridis")(surface.with_attributes({"x": values}))
+    colors = painted.attributes["colors"]
+    assert np.allclose(colors[5], 0.6)
+    assert np.allclose(colors[np.argmin(values)], [0.267004, 0.004874, 0.329415])  # first colour of viridis
+    finite = np.where(np.isfinite(values), values, -np.inf)
+    assert np.allclose(colors[np.argmax(finite)], [0.993248, 0.906157, 0.143936])  # and its last
+
+
+def test_transfer_is_exact_for_linear_functions_on_flat_triangles() -> None:
+    """Barycentric interpolation reproduces a linear function at any point of the source."""
+    source = sample_surface()
+    linear = source.vertices @ np.array([1.0, -2.0, 0.5])
+    source = source.with_attributes({"f": linear, "label": np.arange(source.n_vertices) % 3})
+    rng = np.random.default_rng(0)
+    weights = rng.dirichlet(np.ones(3), size=source.n_faces)
+    points = np.einsum("ij,ijk->ik", weights, source.vertices[source.faces])
+    target = qg.Surface(points, [[0, 1, 2]])
+    result = qg.TransferAttributes(source)(target)
+    assert np.allclose(result.attributes["f"], points @ np.array([1.0, -2.0, 0.5]), atol=1e-9)
+    nearest = source.faces[np.arange(source.n_faces), weights.argmax(axis=1)]
+    assert np.array_equal(result.attributes["label"], nearest % 3)

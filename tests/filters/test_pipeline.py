@@ -1,0 +1,96 @@
+"""Pipelines: order, shared stages, YAML."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import qgeo_filters as qg
+from qgeo_filters.filters import stages
+from qgeo_filters.testing import check_filter, sample_surface
+
+
+def test_a_pipeline_is_a_filter() -> None:
+    assert check_filter(qg.SurfaceScalar() | qg.QuasiGeodesicSpectrum(k=4) | qg.LaplacianSpectrum(k=3)) is None
+
+
+def test_composition_is_flat_and_in_order() -> None:
+    a, b, c = qg.DifferentialCoordinates(), qg.CorrectedNormals(), qg.SurfaceScalar()
+    assert (a | (b | c)).steps == [a, b, c] == ((a | b) | c).steps
+    assert (a | b | c)["SurfaceScalar"] is c
+    with pytest.raises(KeyError, match="no step 'Paint'; the steps are DifferentialCoordinates"):
+        (a | b)["Paint"]
+
+
+def test_a_pipeline_gives_what_its_steps_give_one_by_one() -> None:
+    surface = sample_surface()
+    together = (qg.SurfaceScalar() | qg.QuasiGeodesicSpectrum(k=4))(surface)
+    one_by_one = qg.QuasiGeodesicSpectrum(k=4)(qg.SurfaceScalar()(surface))
+    for name, values in one_by_one.attributes.items():
+        assert np.array_equal(together.attributes[name], values)
+
+
+def test_an_earlier_attribute_can_be_the_scalar_of_a_later_metric() -> None:
+    surface = sample_surface()
+    pipe = qg.SurfaceScalar("shape_index") | qg.QuasiGeodesicDistances(0, scalar="qgeo_scalar")
+    direct = qg.QuasiGeodesicDistances(0, scalar="shape_index")(surface)
+    # f is scaled to unit deviation twice, which changes nothing but rounding; it is clipped twice as well.
+    result = pipe(surface).attributes["qgeo_distance"]
+    assert np.allclose(result, direct.attributes["qgeo_distance"], rtol=1e-2)
+    assert not np.allclose(
+        result, qg.QuasiGeodesicDistances(0, curvature_weight=0)(surface).attributes["qgeo_distance"]
+    )
+
+
+def test_the_matrix_is_computed_once_whatever_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = []
+    true = stages.distance_matrix
+    monkeypatch.setattr(stages, "distance_matrix", lambda *args, **kwargs: calls.append(1) or true(*args, **kwargs))
+    qg.cache.clear()
+    before = qg.cache.max_bytes
+    qg.cache.configure(max_bytes=0)
+    try:
+        (qg.QuasiGeodesicSpectrum(k=3) | qg.QuasiGeodesicSpectrum(k=5) | qg.Curvatures())(sample_surface())
+        assert len(calls) == 1
+        qg.QuasiGeodesicSpectrum(k=3)(sample_surface())
+        assert len(calls) == 2  # nothing is kept between calls with a bound of 0
+    finally:
+        qg.cache.configure(max_bytes=before)
+
+
+def test_yaml_round_trip(tmp_path: Path) -> None:
+    pipe = qg.DifferentialCoordinates("cotangent") | qg.QuasiGeodesicSpectrum(k=7, curvature_weight=0.1)
+    pipe.save(tmp_path / "pipe.yaml")
+    again = qg.Pipeline.load(tmp_path / "pipe.yaml")
+    assert repr(again) == repr(pipe)
+    assert again.to_yaml() == pipe.to_yaml()
+
+
+def test_yaml_by_hand() -> None:
+    pipe = qg.Pipeline.from_yaml("qgeo_pipeline: 1\nsteps:\n- SurfaceScalar\n- Paint: {attribute: qgeo_scalar}\n")
+    assert [type(step).__name__ for step in pipe.steps] == ["SurfaceScalar", "Paint"]
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("steps: [", "not valid YAML"),
+        ("- a", "must be a mapping"),
+        ("qgeo_pipeline: 2\nsteps: []", "format 2, this version reads qgeo_pipeline: 1"),
+        ("qgeo_pipeline: 1\nsteps: [Sharpen]", r"steps\[0\] names the unknown filter 'Sharpen'; known are"),
+        ("qgeo_pipeline: 1\nsteps: [{Paint: {colour: red}}]", r"steps\[0\]: Paint has no parameter 'colour'"),
+        ("qgeo_pipeline: 1\nsteps: [{Paint: 3}]", "parameters must be a mapping"),
+        ("qgeo_pipeline: 1\nsteps: [3]", r"steps\[0\] must be one FilterName"),
+    ],
+)
+def test_bad_yaml_gets_one_sentence(text: str, sentence: str) -> None:
+    with pytest.raises(ValueError, match=sentence) as caught:
+        qg.Pipeline.from_yaml(text)
+    assert "\n" not in str(caught.value)
+
+
+def test_what_text_cannot_hold_is_named() -> None:
+    with pytest.raises(ValueError, match=r"SurfaceScalar\.scalar is of type function"):
+        qg.Pipeline([qg.SurfaceScalar(lambda delta: delta[:, 0])]).to_yaml()

@@ -1,0 +1,60 @@
+"""The package from outside: what importing it costs and needs, and that every public name is there."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import qgeo_filters as qg
+
+
+def run(code: str) -> str:
+    """Standard output of a fresh interpreter."""
+    return subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
+
+
+def test_import_loads_no_heavy_package() -> None:
+    loaded = json.loads(run("import qgeo_filters, sys, json; print(json.dumps(sorted(sys.modules)))"))
+    heavy = {"numba", "open3d", "pymeshlab", "pyvista", "igl", "matplotlib", "ipywidgets", "pythreejs", "dask", "zarr"}
+    assert not heavy & set(loaded)
+
+
+@pytest.mark.parametrize("name", qg.__all__)
+def test_every_public_name_loads_and_is_documented(name: str) -> None:
+    value = getattr(qg, name)
+    if callable(value):
+        assert value.__doc__, f"{name} has no docstring"
+
+
+def test_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'sharpen'"):
+        _ = qg.sharpen
+
+
+def test_arrays_need_no_host() -> None:
+    code = """
+import sys
+for name in ("open3d", "pymeshlab", "pyvista", "trimesh", "ipywidgets"):
+    sys.modules[name] = None  # as if it were not installed
+import qgeo_filters as qg
+from qgeo_filters.testing import sample_surface
+s = sample_surface()
+print(qg.QuasiGeodesicSpectrum(k=3)((s.vertices, s.faces)).attributes["qgeo_phi"].shape)
+"""
+    assert run(code).strip() == "(162, 3)"
+
+
+def test_a_missing_package_is_named_with_its_extra() -> None:
+    code = """
+import sys
+sys.modules["pymeshlab"] = None
+from qgeo_filters.errors import require_package, MissingPackageError
+try:
+    require_package("pymeshlab", "meshlab", "a PyMeshLab mesh")
+except MissingPackageError as error:
+    print(error)
+"""
+    assert "pip install 'qgeo-filters[meshlab]'" in run(code)
