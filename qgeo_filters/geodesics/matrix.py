@@ -13,12 +13,13 @@ from tqdm import tqdm
 from qgeo_filters.geodesics.edges import edge_distances
 from qgeo_filters.geodesics.graph import geodesic_graph
 from qgeo_filters.geodesics.metric import IntrinsicMesh, LiftedMetric, cartesian_metric
-from qgeo_filters.geodesics.sweeps import LANES
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices
 
 FloatArray = npt.NDArray[np.float64]
 
+# Sources of one task: they share an order of the vertices, and are the unit of work of a thread.
+GROUP = 128
 METHODS = ("graph", "exact", "edges")
 
 
@@ -79,12 +80,13 @@ def distances(
     threads = worker_count(workers)
     graph = geodesic_graph(mesh, accuracy, workers=threads)
     result = np.empty((len(chosen), graph.n_vertices))
-    by_place = np.argsort(graph.place[chosen], kind="stable")
-    parts = [by_place[i : i + LANES] for i in range(0, len(chosen), LANES)]
+    together = np.argsort(graph.place[chosen], kind="stable")
+    parts = [together[i : i + GROUP] for i in range(0, len(chosen), GROUP)]
 
     def task(part: npt.NDArray[np.int64]) -> None:
-        block = graph.block(graph.place[chosen[part]].astype(np.int64))
-        result[part] = graph.lengths(block)[graph.place, : len(part)].T
+        rows = np.empty((len(part), graph.n_vertices))
+        graph.distances_into(rows, chosen[part])
+        result[part] = rows
 
     run_blocks(task, parts, threads, progress)
     return result
@@ -133,12 +135,12 @@ def distance_matrix(
     matrix = np.empty((n, n), np.float32)
 
     def task(first: int) -> None:
-        places = np.arange(first, min(first + LANES, n))
-        block = graph.block(places)
-        matrix[graph.vertex[places]] = graph.lengths(block)[graph.place, : len(places)].T
+        sources = graph.vertex[first : first + GROUP]
+        rows = np.empty((len(sources), n), np.float32)
+        graph.distances_into(rows, sources)
+        matrix[sources] = rows
 
-    run_blocks(task, range(0, n, LANES), threads, progress)
-    _symmetrise(matrix)
+    run_blocks(task, range(0, n, GROUP), threads, progress)
     return matrix
 
 
@@ -170,12 +172,3 @@ def _checked(surface: Surface, metric: LiftedMetric | None, method: str) -> Intr
             f"the metric belongs to a surface of {metric.surface.n_vertices} vertices, this one has {surface.n_vertices}"
         )
     return (metric or cartesian_metric(surface)).intrinsic()
-
-
-def _symmetrise(matrix: npt.NDArray[np.float32], size: int = 512) -> None:
-    """Put the smaller of both directions into either, in place: both are lengths of paths."""
-    for i in range(0, len(matrix), size):
-        for j in range(0, i + 1, size):
-            lower, upper = matrix[i : i + size, j : j + size], matrix[j : j + size, i : i + size].T
-            lower[...] = np.minimum(lower, upper)
-            upper[...] = lower
