@@ -266,10 +266,23 @@ def test_repr_names_sizes_and_attributes():
 
 # -- immutability -------------------------------------------------------------------------------------
 
-DERIVED = (
-    "vertices faces edge_lengths face_areas vertex_areas face_normals corner_angles vertex_normals edges face_edges "
-    "twins unreferenced_vertices boundary_edges nonmanifold_edges nonmanifold_vertices"
-).split()
+DERIVED = [
+    "vertices",
+    "faces",
+    "edge_lengths",
+    "face_areas",
+    "vertex_areas",
+    "face_normals",
+    "corner_angles",
+    "vertex_normals",
+    "edges",
+    "face_edges",
+    "twins",
+    "unreferenced_vertices",
+    "boundary_edges",
+    "nonmanifold_edges",
+    "nonmanifold_vertices",
+]
 
 
 @pytest.mark.parametrize("name", DERIVED)
@@ -365,7 +378,7 @@ def test_bad_arrays_are_named(vertices, faces, message):
 
 @pytest.mark.parametrize("values", [np.zeros(41), np.zeros((3, 42)), 3.0])
 def test_attribute_of_wrong_length_is_named(values):
-    with pytest.raises(MeshError, match="attribute 'a' has shape .*, but there are 42 vertices"):
+    with pytest.raises(MeshError, match=r"attribute 'a' has shape .*, but there are 42 vertices"):
         Surface(V, F, {"a": values})
 
 
@@ -374,7 +387,7 @@ def test_requirements_name_the_offender():
         Surface(*fan()).require_manifold("X")
     with pytest.raises(NonManifoldError, match=r"X needs .* vertex 0 form more than one fan \(1 such vertex: 0\)"):
         Surface(*bow_tie()).require_manifold("X")
-    with pytest.raises(DisconnectedError, match="X needs .* 2 pieces of 162, 42 vertices;"):
+    with pytest.raises(DisconnectedError, match=r"X needs .* 2 pieces of 162, 42 vertices;"):
         two_spheres().require_connected("X")
     with pytest.raises(DisconnectedError, match=r"1 of them single vertices without faces \(42\)"):
         Surface(np.vstack([V, [[9, 9, 9]]]), F).require_connected("X")

@@ -20,7 +20,7 @@ from qgeo_filters.interop import raw_mesh
 from qgeo_filters.interop.manifold import consistent_flips, split_into_fans
 from qgeo_filters.interop.raw import RawMesh, counted
 from qgeo_filters.surface import Surface
-from qgeo_filters.validation import checked_attributes, frozen, listed
+from qgeo_filters.validation import checked_attributes, checked_vertices, frozen, listed
 
 IntArray = npt.NDArray[np.int32]
 Indices = npt.NDArray[np.int64]
@@ -129,9 +129,19 @@ def _arrays(raw: RawMesh) -> tuple[npt.NDArray[np.float64], IntArray]:
     vertices = np.array(raw.vertices, dtype=np.float64)
     faces = np.asarray(raw.faces)
     whole = faces.dtype.kind in "iu" or (faces.dtype.kind == "f" and bool(np.all(faces == np.floor(faces))))
-    if vertices.ndim != 2 or vertices.shape[1:] != (3,) or faces.ndim != 2 or faces.shape[1:] != (3,) or not whole:
+    if (
+        len(vertices) == 0
+        or vertices.ndim != 2
+        or vertices.shape[1:] != (3,)
+        or faces.ndim != 2
+        or faces.shape[1:] != (3,)
+        or not whole
+    ):
         Surface(raw.vertices, raw.faces)  # raises
         raise AssertionError("unreachable: Surface accepts what repair does not")
+    finite = np.isfinite(vertices).all(axis=1)
+    if finite.any():
+        checked_vertices(vertices[finite])  # raises where it is too large or too small
     # Out of range where int32 does not reach is out of range all the same.
     return vertices, np.clip(faces, -1, np.iinfo(np.int32).max).astype(np.int32)
 
