@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 import os
+import pkgutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,6 +12,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from qgeo_filters import filters
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.filters.base import REGISTRY, Filter
 from qgeo_filters.surface import Surface
@@ -146,6 +149,8 @@ def _step(position: int, entry: Any) -> Filter:
     if not isinstance(entry, dict) or len(entry) != 1:
         raise ValueError(f"steps[{position}] must be one FilterName: {{parameter: value}}, got {entry!r}")
     name, params = next(iter(entry.items()))
+    for module in pkgutil.iter_modules(filters.__path__, f"{filters.__name__}."):
+        importlib.import_module(module.name)  # a filter is known once its module is loaded
     if name not in REGISTRY:
         raise ValueError(
             f"steps[{position}] names the unknown filter {name!r}; known are {', '.join(sorted(REGISTRY))}"
