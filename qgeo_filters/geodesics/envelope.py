@@ -1,11 +1,11 @@
 """Lower envelope of the windows on one half-edge: which source is nearest where (Numba).
 
-A window is an interval [LO, HI] of a half-edge, measured from its first vertex, together with the
-pseudo-source that sees it through a strip of unfolded triangles: the source lies at abscissa SX and depth
-SY >= 0 behind the half-edge and is itself SIGMA away from the true source. Point x of the window is then
-at distance ``SIGMA + sqrt((x - SX)^2 + SY^2)`` (Mitchell, Mount, Papadimitriou, "The discrete geodesic
+A window is an interval [lo, hi] of a half-edge, measured from its first vertex, together with the
+pseudo-source that sees it through a strip of unfolded triangles: the source lies at abscissa sx and depth
+sy >= 0 behind the half-edge and is itself sigma away from the true source. Point x of the window is then
+at distance ``sigma + sqrt((x - sx)^2 + sy^2)`` (Mitchell, Mount, Papadimitriou, "The discrete geodesic
 problem", SIAM J. Comput. 16, 1987). Windows of a half-edge do not overlap and are kept in a linked list
-ordered by LO; a new one takes from the old ones exactly the points that it brings nearer.
+ordered by lo; a new one takes from the old ones exactly the points that it brings nearer.
 """
 
 from __future__ import annotations
@@ -16,12 +16,16 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int32]
-Flags = npt.NDArray[np.bool_]
+from qgeo_filters.geodesics.jit import kernel
 
-LO, HI, SX, SY, SIGMA = range(5)
-WIDTH = 8  # a window fills one cache line
+Records = npt.NDArray[np.void]
+
+# One cache line.
+WINDOW = np.dtype(
+    [("lo", "f8"), ("hi", "f8"), ("sx", "f8"), ("sy", "f8"), ("sigma", "f8"), ("next", "i4"), ("pending", "i4"),
+     ("_", "f8", 2)]
+)  # fmt: skip
+LIST = np.dtype([("first", "i4"), ("count", "i4")])
 
 # Two distances closer than this, relatively, are a tie, which the window that came first keeps. Far above
 # the rounding of a strip of a thousand triangles, far below the accuracy that is promised.
@@ -34,34 +38,31 @@ SLIVER = 1e-12
 class Pool(NamedTuple):
     """The windows of all half-edges: rows of one array, linked into a list for each half-edge."""
 
-    windows: FloatArray  # (capacity, WIDTH)
-    follower: IndexArray  # (capacity,) next row of the list, -1 at its end; links the free rows too
-    pending: Flags  # (capacity,) not carried on yet
-    first: IndexArray  # (half-edges,) -1 where the list is empty
-    entries: IndexArray  # (half-edges,) length of the list
-    free: IndexArray  # (2,) first free row, number of free rows
+    windows: Records  # (capacity,) WINDOW; ``next`` is -1 at the end of a list, and links the free rows too
+    lists: Records  # (half-edges,) LIST; ``first`` is -1 where the list is empty
+    free: Records  # (1,) LIST of the free rows
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def distance_at(x: float, sx: float, sy: float, sigma: float) -> float:
     """Distance of the point at abscissa x from the true source."""
     return sigma + np.sqrt((x - sx) * (x - sx) + sy * sy)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def nearest_distance(lo: float, hi: float, sx: float, sy: float, sigma: float) -> float:
     """Smallest distance in a window."""
     return distance_at(min(max(sx, lo), hi), sx, sy, sigma)
 
 
-@njit(cache=True, nogil=True)
-def _lead(x: float, sx: float, sy: float, sigma: float, w: FloatArray) -> float:
+@kernel
+def _lead(x: float, sx: float, sy: float, sigma: float, w: np.void) -> float:
     """How much farther the newcomer is at x than window w; negative where the newcomer wins."""
-    return distance_at(x, sx, sy, sigma) - distance_at(x, w[SX], w[SY], w[SIGMA])
+    return distance_at(x, sx, sy, sigma) - distance_at(x, w["sx"], w["sy"], w["sigma"])
 
 
-@njit(cache=True, nogil=True)
-def _quadratic(a: float, b: float, sx: float, sy: float, sigma: float, w: FloatArray) -> tuple[float, float]:
+@kernel
+def _quadratic(a: float, b: float, sx: float, sy: float, sigma: float, w: np.void) -> tuple[float, float]:
     """Abscissae where the newcomer and w may be equally far, in ascending order; NaN where there is none.
 
     ``r - r_w = D`` with ``r^2 - r_w^2`` linear in x gives, squared once, a quadratic equation; it also has
@@ -69,16 +70,16 @@ def _quadratic(a: float, b: float, sx: float, sy: float, sigma: float, w: FloatA
     """
     # About the middle of the interval the coefficients cancel least.
     middle = 0.5 * (a + b)
-    ax, bx = sx - middle, w[SX] - middle
-    d = w[SIGMA] - sigma
+    ax, bx = sx - middle, w["sx"] - middle
+    d = w["sigma"] - sigma
     slope = 2.0 * (bx - ax)
-    constant = (ax - bx) * (ax + bx) + (sy - w[SY]) * (sy + w[SY]) - d * d
+    constant = (ax - bx) * (ax + bx) + (sy - w["sy"]) * (sy + w["sy"]) - d * d
     if d == 0.0:  # one vertex seen through two strips: the bisector is a line
         x = middle - constant / slope if slope != 0.0 else np.nan
         return x, np.nan
     p = slope * slope - 4.0 * d * d
     q = slope * constant + 4.0 * d * d * bx
-    r = constant * constant - 4.0 * d * d * (bx * bx + w[SY] * w[SY])
+    r = constant * constant - 4.0 * d * d * (bx * bx + w["sy"] * w["sy"])
     discriminant = q * q - p * r
     if discriminant < 0.0:
         return np.nan, np.nan
@@ -90,8 +91,8 @@ def _quadratic(a: float, b: float, sx: float, sy: float, sigma: float, w: FloatA
     return x0, x1
 
 
-@njit(cache=True, nogil=True)
-def _crossing(a: float, b: float, margin: float, sx: float, sy: float, sigma: float, w: FloatArray) -> float:
+@kernel
+def _crossing(a: float, b: float, margin: float, sx: float, sy: float, sigma: float, w: np.void) -> float:
     """Abscissa in [a, b] where the two are equally far; one of them wins at a, the other at b."""
     x0, x1 = _quadratic(a, b, sx, sy, sigma, w)
     if a <= x0 <= b and abs(_lead(x0, sx, sy, sigma, w)) <= 10.0 * margin:
@@ -109,9 +110,9 @@ def _crossing(a: float, b: float, margin: float, sx: float, sy: float, sigma: fl
     return 0.5 * (a + b)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _contest(
-    a: float, b: float, margin: float, sliver: float, sx: float, sy: float, sigma: float, w: FloatArray
+    a: float, b: float, margin: float, sliver: float, sx: float, sy: float, sigma: float, w: np.void
 ) -> tuple[float, float, float]:
     """First stretch [p, q] of [a, b] that the newcomer takes from window w, and where to go on.
 
@@ -131,8 +132,8 @@ def _contest(
             return a, b, b
         return (x, b, b) if b - x > sliver else (b, b, b)
     # One is ahead at both ends, the other may be in between: not if the lead is more than it can lose, as
-    # a distance changes by no more than the length walked, and not for equal SIGMA (one crossing).
-    if w[SIGMA] != sigma and min(abs(at_a), abs(at_b)) < 2.0 * (b - a):
+    # a distance changes by no more than the length walked, and not for equal sigma (one crossing).
+    if w["sigma"] != sigma and min(abs(at_a), abs(at_b)) < 2.0 * (b - a):
         x0, x1 = _quadratic(a, b, sx, sy, sigma, w)
         if x0 > a and x1 < b and x1 - x0 > sliver:
             lead = _lead(0.5 * (x0 + x1), sx, sy, sigma, w)
@@ -148,73 +149,74 @@ def _contest(
 @njit(cache=True, nogil=True)
 def new_pool(n_halfedges: int, capacity: int) -> Pool:
     """An empty pool."""
-    return Pool(
-        np.empty((capacity, WIDTH)),
-        np.arange(1, capacity + 1, dtype=np.int32),
-        np.zeros(capacity, dtype=np.bool_),
-        np.full(n_halfedges, -1, dtype=np.int32),
-        np.zeros(n_halfedges, dtype=np.int32),
-        np.array([0, capacity], dtype=np.int32),
-    )
+    windows = np.empty(capacity, dtype=WINDOW)
+    for row in range(capacity):
+        windows[row]["next"] = row + 1
+    lists = np.empty(n_halfedges, dtype=LIST)
+    for h in range(n_halfedges):
+        lists[h]["first"], lists[h]["count"] = -1, 0
+    free = np.empty(1, dtype=LIST)
+    free[0]["first"], free[0]["count"] = 0, capacity
+    return Pool(windows, lists, free)
 
 
 @njit(cache=True, nogil=True)
 def grown_pool(pool: Pool) -> Pool:
-    """The same windows in a pool of twice the size."""
+    """The same windows in a pool of twice the size; the lists are shared."""
     old = len(pool.windows)
-    windows = np.empty((2 * old, WIDTH))
+    windows = np.empty(2 * old, dtype=WINDOW)
     windows[:old] = pool.windows
-    follower = np.arange(1, 2 * old + 1).astype(np.int32)
-    follower[:old] = pool.follower
-    follower[2 * old - 1] = pool.free[0]
-    pending = np.zeros(2 * old, dtype=np.bool_)
-    pending[:old] = pool.pending
-    free = np.array([old, pool.free[1] + old], dtype=np.int32)
-    return Pool(windows, follower, pending, pool.first, pool.entries, free)
+    for row in range(old, 2 * old):
+        windows[row]["next"] = row + 1
+    windows[2 * old - 1]["next"] = pool.free[0]["first"]
+    pool.free[0]["first"] = old
+    pool.free[0]["count"] += old
+    return Pool(windows, pool.lists, pool.free)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def insertion_room(pool: Pool, h: int) -> bool:
     """Whether the pool has enough free rows for one more window on half-edge h, however it is cut up."""
-    return pool.free[1] >= 3 * pool.entries[h] + 8
+    return pool.free[0]["count"] >= 3 * pool.lists[h]["count"] + 8
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _add(pool: Pool, h: int, before: int, lo: float, hi: float, sx: float, sy: float, sigma: float) -> int:
     """Row of a new pending window, linked behind ``before`` (-1: in front) in the list of half-edge h."""
-    row = pool.free[0]
-    pool.free[0] = pool.follower[row]
-    pool.free[1] -= 1
-    pool.entries[h] += 1
-    w = pool.windows[row]
-    w[LO], w[HI], w[SX], w[SY], w[SIGMA] = lo, hi, sx, sy, sigma
-    pool.pending[row] = True
+    windows, own, free = pool.windows, pool.lists[h], pool.free[0]
+    row = free["first"]
+    w = windows[row]
+    free["first"] = w["next"]
+    free["count"] -= 1
+    own["count"] += 1
+    w["lo"], w["hi"], w["sx"], w["sy"], w["sigma"], w["pending"] = lo, hi, sx, sy, sigma, 1
     if before < 0:
-        pool.follower[row] = pool.first[h]
-        pool.first[h] = row
+        w["next"] = own["first"]
+        own["first"] = row
     else:
-        pool.follower[row] = pool.follower[before]
-        pool.follower[before] = row
+        w["next"] = windows[before]["next"]
+        windows[before]["next"] = row
     return row
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _remove_next(pool: Pool, h: int, before: int) -> int:
     """Row that follows ``before`` (-1: the front) once the one behind it is gone."""
-    row = pool.first[h] if before < 0 else pool.follower[before]
-    after = pool.follower[row]
+    windows, own, free = pool.windows, pool.lists[h], pool.free[0]
+    row = own["first"] if before < 0 else windows[before]["next"]
+    after = windows[row]["next"]
     if before < 0:
-        pool.first[h] = after
+        own["first"] = after
     else:
-        pool.follower[before] = after
-    pool.follower[row] = pool.free[0]
-    pool.free[0] = row
-    pool.free[1] += 1
-    pool.entries[h] -= 1
+        windows[before]["next"] = after
+    windows[row]["next"] = free["first"]
+    free["first"] = row
+    free["count"] += 1
+    own["count"] -= 1
     return after
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def insert_window(
     pool: Pool, h: int, length: float, lo: float, hi: float, sx: float, sy: float, sigma: float, hint: int
 ) -> tuple[float, int]:
@@ -225,27 +227,28 @@ def insert_window(
     hint : int
         Row of the list to start the search at, as returned for a window farther left; -1 for the front.
     """
+    windows = pool.windows
     sliver = SLIVER * length
     margin = TIE * (sigma + abs(sx) + sy + length)
     nearest = np.inf
-    before = hint if hint >= 0 and pool.windows[hint, HI] <= lo else -1
-    here = pool.first[h] if before < 0 else pool.follower[before]
-    while here >= 0 and pool.windows[here, HI] <= lo:
-        before, here = here, pool.follower[here]
+    before = hint if hint >= 0 and windows[hint]["hi"] <= lo else -1
+    here = pool.lists[h]["first"] if before < 0 else windows[before]["next"]
+    while here >= 0 and windows[here]["hi"] <= lo:
+        before, here = here, windows[here]["next"]
     hint = before
     x = lo
     opened = False  # the newcomer holds [start, x] already
     start = lo
     while hi - x > sliver:
-        while here >= 0 and pool.windows[here, HI] <= x:
-            before, here = here, pool.follower[here]
-        if here < 0 or pool.windows[here, LO] >= hi:
+        while here >= 0 and windows[here]["hi"] <= x:
+            before, here = here, windows[here]["next"]
+        if here < 0 or windows[here]["lo"] >= hi:
             if not opened:
                 opened, start = True, x
             x = hi
             break
-        w = pool.windows[here]
-        a, b = max(x, w[LO]), min(hi, w[HI])
+        w = windows[here]
+        a, b = max(x, w["lo"]), min(hi, w["hi"])
         if a - x > sliver and not opened:
             opened, start = True, x
         p, q, go_on = b, b, b
@@ -258,22 +261,22 @@ def insert_window(
         x = go_on
         if p == q:
             continue
-        keeps_left, keeps_right = p - w[LO] > sliver, w[HI] - q > sliver
+        keeps_left, keeps_right = p - w["lo"] > sliver, w["hi"] - q > sliver
         if not opened:
-            opened, start = True, p if keeps_left else w[LO]
+            opened, start = True, p if keeps_left else w["lo"]
         if keeps_left and keeps_right:
-            row = _add(pool, h, here, q, w[HI], w[SX], w[SY], w[SIGMA])
-            pool.pending[row] = pool.pending[here]
-            w[HI] = p
+            row = _add(pool, h, here, q, w["hi"], w["sx"], w["sy"], w["sigma"])
+            windows[row]["pending"] = w["pending"]
+            w["hi"] = p
             before, here = here, row
         elif keeps_left:
-            q = w[HI]
-            w[HI] = p
-            before, here = here, pool.follower[here]
+            q = w["hi"]
+            w["hi"] = p
+            before, here = here, w["next"]
         elif keeps_right:
-            w[LO] = q
+            w["lo"] = q
         else:
-            q = w[HI]
+            q = w["hi"]
             here = _remove_next(pool, h, before)
         if keeps_right:  # the newcomer ends where the rest of the window begins
             nearest = min(nearest, nearest_distance(start, q, sx, sy, sigma))
@@ -283,5 +286,5 @@ def insert_window(
             x = max(x, q)
     if opened:
         nearest = min(nearest, nearest_distance(start, x, sx, sy, sigma))
-        before = _add(pool, h, before, start, x, sx, sy, sigma)
+        _add(pool, h, before, start, x, sx, sy, sigma)
     return nearest, hint

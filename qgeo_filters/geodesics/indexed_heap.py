@@ -2,20 +2,44 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int32]
+from qgeo_filters.geodesics.jit import kernel
+
+
+class IndexedHeap(NamedTuple):
+    """Items 0..N-1, some of which wait; the first of ``heap`` has the smallest key."""
+
+    heap: npt.NDArray[np.int32]  # (N + 1,) waiting items; their number is in the last place
+    slot_of: npt.NDArray[np.int32]  # (N,) place in ``heap``, -1 for items that do not wait
+    key: npt.NDArray[np.float64]  # (N,)
 
 
 @njit(cache=True, nogil=True)
-def _sift_up(slot: int, heap: IndexArray, slot_of: IndexArray, key: FloatArray) -> None:
-    item = heap[slot]
+def new_heap(n_items: int) -> IndexedHeap:
+    """A heap in which nothing waits."""
+    heap = np.zeros(n_items + 1, dtype=np.int32)
+    return IndexedHeap(heap, np.full(n_items, -1, dtype=np.int32), np.empty(n_items))
+
+
+@kernel
+def heap_push(queue: IndexedHeap, item: int, value: float) -> None:
+    """Let ``item`` wait with a key of at most ``value``."""
+    heap, slot_of, key = queue.heap, queue.slot_of, queue.key
+    slot = slot_of[item]
+    if slot < 0:
+        slot = heap[-1]
+        heap[-1] += 1
+    elif key[item] <= value:
+        return
+    key[item] = value
     while slot > 0:
         parent = (slot - 1) >> 1
-        if key[heap[parent]] <= key[item]:
+        if key[heap[parent]] <= value:
             break
         heap[slot] = heap[parent]
         slot_of[heap[slot]] = slot
@@ -24,44 +48,30 @@ def _sift_up(slot: int, heap: IndexArray, slot_of: IndexArray, key: FloatArray) 
     slot_of[item] = slot
 
 
-@njit(cache=True, nogil=True)
-def heap_lower(item: int, value: float, heap: IndexArray, slot_of: IndexArray, key: FloatArray, size: int) -> int:
-    """Number of items once ``item`` waits with a key of at most ``value``.
-
-    ``slot_of`` holds -1 for items that do not wait; ``heap`` has room for all items.
-    """
-    slot = slot_of[item]
-    if slot < 0:
-        key[item] = value
-        heap[size] = item
-        _sift_up(size, heap, slot_of, key)
-        return size + 1
-    if value < key[item]:
-        key[item] = value
-        _sift_up(slot, heap, slot_of, key)
-    return size
-
-
-@njit(cache=True, nogil=True)
-def heap_pop(heap: IndexArray, slot_of: IndexArray, key: FloatArray, size: int) -> int:
-    """Item of the smallest key, taken out of a heap of ``size`` items."""
-    top = heap[0]
+@kernel
+def heap_pop(queue: IndexedHeap) -> int:
+    """Item of the smallest key, which waits no longer; -1 if none waits."""
+    heap, slot_of, key = queue.heap, queue.slot_of, queue.key
+    size = heap[-1] - 1
+    if size < 0:
+        return -1
+    heap[-1] = size
+    top, item = heap[0], heap[size]
     slot_of[top] = -1
-    size -= 1
-    if size > 0:
-        item = heap[size]
-        slot = 0
-        while True:
-            child = 2 * slot + 1
-            if child >= size:
-                break
-            if child + 1 < size and key[heap[child + 1]] < key[heap[child]]:
-                child += 1
-            if key[heap[child]] >= key[item]:
-                break
-            heap[slot] = heap[child]
-            slot_of[heap[slot]] = slot
-            slot = child
-        heap[slot] = item
-        slot_of[item] = slot
+    if size == 0:
+        return top
+    slot = 0
+    while True:
+        child = 2 * slot + 1
+        if child >= size:
+            break
+        if child + 1 < size and key[heap[child + 1]] < key[heap[child]]:
+            child += 1
+        if key[heap[child]] >= key[item]:
+            break
+        heap[slot] = heap[child]
+        slot_of[heap[slot]] = slot
+        slot = child
+    heap[slot] = item
+    slot_of[item] = slot
     return top

@@ -12,231 +12,200 @@ work decides the time only: whatever arrives late and nearer is carried on again
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from qgeo_filters.geodesics.envelope import (
-    HI,
-    LO,
-    SIGMA,
-    SX,
-    SY,
-    TIE,
-    WIDTH,
-    Pool,
-    distance_at,
-    grown_pool,
-    insert_window,
-    insertion_room,
-    new_pool,
-)
-from qgeo_filters.geodesics.indexed_heap import heap_lower, heap_pop
+from qgeo_filters.geodesics.envelope import TIE, Pool, distance_at, grown_pool, insert_window, insertion_room, new_pool
+from qgeo_filters.geodesics.indexed_heap import IndexedHeap, heap_pop, heap_push, new_heap
+from qgeo_filters.geodesics.jit import kernel
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh
 
 FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int32]
-Flags = npt.NDArray[np.bool_]
 
-# A window passes a vertex on the left or right; where the vertex is this near to the window (relative to
-# the edge) it is reached all the same, by a path that bends a little: that bridges gaps left by rounding.
+# Where a vertex is this near to a window (relative to the edge) it is reached although the window passes
+# it, by a path that bends a little: that bridges gaps left by rounding.
 REACH = 1e-6
 
 
-class Front(NamedTuple):
-    """What is known so far: distances, and the half-edges and vertices that wait, nearest first.
-
-    Item h < 3 m of the queue is a half-edge with pending windows, item 3 m + v a vertex to start from.
-    """
-
-    distance: FloatArray  # (n,) upper bounds, each the length of a path
-    heap: IndexArray  # (3 m + n,)
-    slot_of: IndexArray  # (3 m + n,)
-    key: FloatArray  # (3 m + n,)
-    size: IndexArray  # (1,)
-
-
-@njit(cache=True, nogil=True)
-def _enqueue(front: Front, item: int, key: float) -> None:
-    front.size[0] = heap_lower(item, key, front.heap, front.slot_of, front.key, front.size[0])
-
-
-@njit(cache=True, nogil=True)
-def _reach(front: Front, mesh: UnfoldedMesh, v: int, distance: float) -> None:
-    """Note a path to vertex v; where shortest paths may bend there, it is carried on later."""
-    if distance < front.distance[v]:
-        improved = distance < front.distance[v] * (1.0 - TIE)
-        front.distance[v] = distance
+@kernel
+def _note(v: int, value: float, distance: FloatArray, queue: IndexedHeap, mesh: UnfoldedMesh) -> None:
+    """Note a path to vertex v; where shortest paths may bend there, v waits to be carried on."""
+    if value < distance[v]:
+        improved = value < distance[v] * (1.0 - TIE)
+        distance[v] = value
         if improved and mesh.bends[v]:
-            _enqueue(front, len(mesh.twins) + v, distance)
+            heap_push(queue, len(mesh.sides) + v, value)
 
 
-@njit(cache=True, nogil=True)
-def _deliver(
-    front: Front, pool: Pool, mesh: UnfoldedMesh, side: int, reverse: bool, candidate: FloatArray, hint: int
-) -> int:
-    """Offer a window to the half-edge across ``side``; returns the hint for the next one.
-
-    ``reverse``: the candidate is measured from the second vertex of ``side``.
-    """
-    target = mesh.twins[side]
-    length = mesh.lengths[side]
-    lo, hi, sx = candidate[LO], candidate[HI], candidate[SX]
-    if reverse == mesh.aligned[side]:
-        lo, hi, sx = length - hi, length - lo, length - sx
-    nearest, hint = insert_window(pool, target, length, lo, hi, sx, candidate[SY], candidate[SIGMA], hint)
-    if nearest < np.inf:
-        _enqueue(front, target, nearest)
-    return hint
+@kernel
+def _apex_distance(near: float, split: float, sx: float, sy: float, sigma: float, cx: float, cy: float) -> float:
+    """Distance of the apex (cx, cy) by way of abscissa ``near``, straight if that is ``split``."""
+    if near == split:
+        return distance_at(cx, sx, sy + cy, sigma)
+    return distance_at(near, sx, sy, sigma) + np.sqrt((cx - near) * (cx - near) + cy * cy)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _carried(
-    near: float, far: float, sx: float, sy: float, split: float, cx: float, cy: float, side: float, out: FloatArray
-) -> None:
+    near: float, far: float, sx: float, sy: float, split: float, cx: float, cy: float, side: float
+) -> tuple[float, float, float, float]:
     """Window [near, far] of the x-axis as it falls on the side from the origin to the apex (cx, cy).
 
-    The source is at (sx, -sy); its ray through ``split`` meets the apex.
+    The source is at (sx, -sy); its ray through ``split`` meets the apex. Returned are the ends and the source
+    in the frame of the side.
     """
     ux, uy = cx / side, cy / side
-    out[LO], out[HI] = 0.0, side
+    lo, hi = 0.0, side
     if near > 0.0:
         along, across = sy * near, ux * sy - uy * (near - sx)
-        out[LO] = along / across if along < side * across else side
+        lo = along / across if along < side * across else side
     if far < split:
         along, across = sy * far, ux * sy - uy * (far - sx)
-        out[HI] = along / across if along < side * across else side
-    out[SX] = sx * ux - sy * uy
-    out[SY] = max(sx * uy + sy * ux, 0.0)
+        hi = along / across if along < side * across else side
+    return lo, hi, sx * ux - sy * uy, max(sx * uy + sy * ux, 0.0)
 
 
-@njit(cache=True, nogil=True)
-def _beaten(
-    candidate: FloatArray,
-    side: float,
+@kernel
+def _is_beaten(
+    lo: float,
+    hi: float,
+    sx: float,
+    sy: float,
+    sigma: float,
     length: float,
-    ux: float,
-    uy: float,
+    cx: float,
+    cy: float,
+    side: float,
     at_origin: float,
-    at_apex: float,
     at_opposite: float,
+    at_apex: float,
 ) -> bool:
     """Whether a path through a vertex of the triangle is shorter to all points of a window on one side.
 
-    The side runs from the origin to the apex in direction (ux, uy); the opposite vertex is (length, 0), and
-    the window has come through the x-axis (Xin and Wang 2009, theorem 3.2).
+    The side runs from the origin to the apex (cx, cy); the opposite vertex is (length, 0), and the window
+    came in through the x-axis (Xin and Wang 2009, theorem 3.2).
     """
-    lo, hi, sx, sy, sigma = candidate[LO], candidate[HI], candidate[SX], candidate[SY], candidate[SIGMA]
     to_lo = distance_at(lo, sx, sy, sigma)
     slack = TIE * (to_lo + side)
-    if at_apex + (side - lo) < to_lo - slack:
-        return True
-    if at_origin + hi < distance_at(hi, sx, sy, sigma) - slack:
+    if at_apex + (side - lo) < to_lo - slack or at_origin + hi < distance_at(hi, sx, sy, sigma) - slack:
         return True
     limit = to_lo - slack - at_opposite
     if limit <= 0.0:
         return False
-    dx, dy = length - lo * ux, lo * uy
+    t = lo / side
+    dx, dy = length - t * cx, t * cy
     return dx * dx + dy * dy < limit * limit
 
 
-@njit(cache=True, nogil=True)
-def _start_from(v: int, front: Front, pool: Pool, mesh: UnfoldedMesh, candidate: FloatArray) -> Pool:
-    """Let vertex v, at its present distance, be the source of windows on all sides that face it."""
-    distance = front.distance[v]
+@kernel
+def _start_from(v: int, distance: FloatArray, queue: IndexedHeap, pool: Pool, mesh: UnfoldedMesh) -> bool:
+    """Let vertex v, at its present distance, be the source of windows on all sides that face it.
+
+    False, with v back in the queue, where the pool must grow first.
+    """
+    sigma = distance[v]
     for c in mesh.corners[mesh.corner_start[v] : mesh.corner_start[v + 1]]:
         f, k = c // 3, c % 3
-        side, back = 3 * f + (k + 1) % 3, 3 * f + (k + 2) % 3
-        a, b = mesh.faces[f, (k + 1) % 3], mesh.faces[f, (k + 2) % 3]
-        _reach(front, mesh, a, distance + mesh.lengths[c])
-        _reach(front, mesh, b, distance + mesh.lengths[back])
-        target = mesh.twins[side]
+        side, back = mesh.sides[3 * f + (k + 1) % 3], mesh.sides[3 * f + (k + 2) % 3]
+        _note(side["tail"], sigma + mesh.sides[c]["length"], distance, queue, mesh)
+        _note(back["tail"], sigma + back["length"], distance, queue, mesh)
+        target = side["twin"]
         if target < 0:
             continue
-        candidate[LO], candidate[HI] = 0.0, mesh.lengths[side]
-        candidate[SX], candidate[SY], candidate[SIGMA] = mesh.apex[side, 0], mesh.apex[side, 1], distance
         if not insertion_room(pool, target):
-            pool = grown_pool(pool)
-        _deliver(front, pool, mesh, side, False, candidate, -1)
-    return pool
+            heap_push(queue, len(mesh.sides) + v, sigma)
+            return False
+        length = side["length"]
+        sx = side["cx"] if side["aligned"] else side["from_head"]
+        nearest, _ = insert_window(pool, target, length, 0.0, length, sx, side["cy"], sigma, -1)
+        if nearest < np.inf:
+            heap_push(queue, target, nearest)
+    return True
 
 
-@njit(cache=True, nogil=True)
-def _cross_face(h: int, front: Front, pool: Pool, mesh: UnfoldedMesh, candidate: FloatArray) -> Pool:
-    """Carry the pending windows of half-edge h over its face."""
+@kernel
+def _cross_face(h: int, distance: FloatArray, queue: IndexedHeap, pool: Pool, mesh: UnfoldedMesh) -> bool:
+    """Carry the pending windows of half-edge h over its face.
+
+    False, with h back in the queue, where the pool must grow first.
+    """
     f, k = h // 3, h % 3
-    ahead, back = 3 * f + (k + 1) % 3, 3 * f + (k + 2) % 3
-    a, b, c = mesh.faces[f, k], mesh.faces[f, (k + 1) % 3], mesh.faces[f, (k + 2) % 3]
-    length, left, right = mesh.lengths[h], mesh.lengths[back], mesh.lengths[ahead]
-    cx, cy = mesh.apex[h, 0], mesh.apex[h, 1]
+    base, ahead, back = mesh.sides[h], mesh.sides[3 * f + (k + 1) % 3], mesh.sides[3 * f + (k + 2) % 3]
+    a, b, c = base["tail"], ahead["tail"], back["tail"]
+    length, left, right, cx, cy = base["length"], back["length"], ahead["length"], base["cx"], base["cy"]
+    from_head = base["from_head"]
+    left_target, right_target = back["twin"], ahead["twin"]
     left_hint = right_hint = -1
-    row = pool.first[h]
+    left_nearest = right_nearest = np.inf
+    complete = True
+    row = pool.lists[h]["first"]
     while row >= 0:
-        if not pool.pending[row]:
-            row = pool.follower[row]
-            continue
-        pool.pending[row] = False
         w = pool.windows[row]
-        lo, hi, sx, sy, sigma = w[LO], w[HI], w[SX], w[SY], w[SIGMA]
-        row = pool.follower[row]
-        depth = sy + cy
-        split = sx + sy * ((cx - sx) / depth) if depth > 0.0 else sx
-        nearest = min(max(split, lo), hi)
-        if nearest == split:
-            _reach(front, mesh, c, sigma + np.sqrt((cx - sx) * (cx - sx) + depth * depth))
-        elif abs(nearest - split) < REACH * length or front.distance[c] == np.inf:
-            bent = np.sqrt((cx - nearest) * (cx - nearest) + cy * cy)
-            _reach(front, mesh, c, distance_at(nearest, sx, sy, sigma) + bent)
-        candidate[SIGMA] = sigma
-        if lo < split and mesh.twins[back] >= 0 and left > 0.0:
-            _carried(lo, hi, sx, sy, split, cx, cy, left, candidate)
-            if not _beaten(
-                candidate, left, length, cx / left, cy / left, front.distance[a], front.distance[c], front.distance[b]
-            ):
-                if not insertion_room(pool, mesh.twins[back]):
-                    pool = grown_pool(pool)
-                left_hint = _deliver(front, pool, mesh, back, True, candidate, left_hint)
-        if hi > split and mesh.twins[ahead] >= 0 and right > 0.0:
-            # The same from the other end: the origin is b.
-            _carried(length - hi, length - lo, length - sx, sy, length - split, length - cx, cy, right, candidate)
-            if not _beaten(
-                candidate,
-                right,
-                length,
-                (length - cx) / right,
-                cy / right,
-                front.distance[b],
-                front.distance[c],
-                front.distance[a],
-            ):
-                if not insertion_room(pool, mesh.twins[ahead]):
-                    pool = grown_pool(pool)
-                right_hint = _deliver(front, pool, mesh, ahead, False, candidate, right_hint)
-    return pool
+        row = w["next"]
+        if not w["pending"]:
+            continue
+        if (left_target >= 0 and not insertion_room(pool, left_target)) or (
+            right_target >= 0 and not insertion_room(pool, right_target)
+        ):
+            complete = False
+            break
+        w["pending"] = 0
+        lo, hi, sx, sy, sigma = w["lo"], w["hi"], w["sx"], w["sy"], w["sigma"]
+        split = sx + sy * ((cx - sx) / (sy + cy)) if sy + cy > 0.0 else sx
+        near = min(max(split, lo), hi)
+        if abs(near - split) < REACH * length or distance[c] == np.inf:
+            value = _apex_distance(near, split, sx, sy, sigma, cx, cy)
+            if value < distance[c]:
+                _note(c, value, distance, queue, mesh)
+        if lo < split and left_target >= 0 and left > 0.0:
+            p, q, x, y = _carried(lo, hi, sx, sy, split, cx, cy, left)
+            if not _is_beaten(p, q, x, y, sigma, length, cx, cy, left, distance[a], distance[b], distance[c]):
+                if back["aligned"]:  # the twin starts at the apex
+                    p, q, x = left - q, left - p, left - x
+                nearest, left_hint = insert_window(pool, left_target, left, p, q, x, y, sigma, left_hint)
+                left_nearest = min(left_nearest, nearest)
+        if hi > split and right_target >= 0 and right > 0.0:  # the same, seen from the other end
+            p, q, x, y = _carried(length - hi, length - lo, length - sx, sy, length - split, from_head, cy, right)
+            if not _is_beaten(p, q, x, y, sigma, length, from_head, cy, right, distance[b], distance[a], distance[c]):
+                if not ahead["aligned"]:
+                    p, q, x = right - q, right - p, right - x
+                nearest, right_hint = insert_window(pool, right_target, right, p, q, x, y, sigma, right_hint)
+                right_nearest = min(right_nearest, nearest)
+    if left_nearest < np.inf:
+        heap_push(queue, left_target, left_nearest)
+    if right_nearest < np.inf:
+        heap_push(queue, right_target, right_nearest)
+    if not complete:
+        heap_push(queue, h, 0.0)
+    return complete
+
+
+@kernel
+def _run(distance: FloatArray, queue: IndexedHeap, pool: Pool, mesh: UnfoldedMesh) -> bool:
+    """Work until nothing waits; False where the pool must grow first."""
+    n_halfedges = len(mesh.sides)
+    while True:
+        item = heap_pop(queue)
+        if item < 0:
+            return True
+        if item < n_halfedges:
+            complete = _cross_face(item, distance, queue, pool, mesh)
+        else:
+            complete = _start_from(item - n_halfedges, distance, queue, pool, mesh)
+        if not complete:
+            return False
 
 
 @njit(cache=True, nogil=True)
 def propagate(source: int, mesh: UnfoldedMesh, distance: FloatArray) -> None:
     """Fill ``distance`` (n,) with the exact distance of every vertex from the source, inf where unreachable."""
-    n, n_halfedges = len(distance), len(mesh.twins)
+    n_halfedges = len(mesh.sides)
     distance[:] = np.inf
-    front = Front(
-        distance,
-        np.empty(n_halfedges + n, dtype=np.int32),
-        np.full(n_halfedges + n, -1, dtype=np.int32),
-        np.empty(n_halfedges + n),
-        np.zeros(1, dtype=np.int32),
-    )
-    pool = new_pool(n_halfedges, 2 * n_halfedges + 64)
-    candidate = np.empty(WIDTH)
     distance[source] = 0.0
-    pool = _start_from(source, front, pool, mesh, candidate)
-    while front.size[0] > 0:
-        front.size[0] -= 1
-        item = heap_pop(front.heap, front.slot_of, front.key, front.size[0] + 1)
-        if item < n_halfedges:
-            pool = _cross_face(item, front, pool, mesh, candidate)
-        else:
-            pool = _start_from(item - n_halfedges, front, pool, mesh, candidate)
+    # Item h < 3 m is a half-edge with pending windows, item 3 m + v a vertex to start from.
+    queue = new_heap(n_halfedges + len(distance))
+    pool = new_pool(n_halfedges, 2 * n_halfedges + 64)
+    heap_push(queue, n_halfedges + source, 0.0)
+    while not _run(distance, queue, pool, mesh):
+        pool = grown_pool(pool)

@@ -16,6 +16,21 @@ IntArray = npt.NDArray[np.int32]
 # vertices for ones where a shortest path may bend costs time and never accuracy; on a flat mesh it closes
 # the gaps that rounding leaves behind a vertex.
 ANGLE_SLACK = 1e-6
+SHORT = 1e-8
+
+
+SIDE = np.dtype(
+    [
+        ("length", "f8"),
+        ("cx", "f8"),  # the apex
+        ("cy", "f8"),
+        ("from_head", "f8"),  # length - cx, without cancellation
+        ("tail", "i4"),  # first vertex
+        ("twin", "i4"),  # half-edge across, -1 on the boundary
+        ("aligned", "i4"),  # whether the twin starts at the same vertex, as where the orientation flips
+        ("_", "i4", 5),
+    ]
+)
 
 
 class UnfoldedMesh(NamedTuple):
@@ -25,11 +40,7 @@ class UnfoldedMesh(NamedTuple):
     third vertex of the face, the apex, at y >= 0.
     """
 
-    faces: IntArray  # (m, 3)
-    twins: IntArray  # (3 m,) -1 on the boundary
-    aligned: npt.NDArray[np.bool_]  # (3 m,) the twin starts at the same vertex
-    lengths: FloatArray  # (3 m,)
-    apex: FloatArray  # (3 m, 2)
+    sides: npt.NDArray[np.void]  # (3 m,) SIDE
     bends: npt.NDArray[np.bool_]  # (n,) a shortest path may bend here: saddle, flat, or reflex on the boundary
     corner_start: IntArray  # (n + 1,) corners of vertex v are corners[corner_start[v]:corner_start[v + 1]]
     corners: IntArray  # (3 m,) as 3 f + k
@@ -45,21 +56,32 @@ def triangle_doubled_areas(lengths: FloatArray) -> FloatArray:
     return 0.5 * np.sqrt(np.maximum(product, 0.0))
 
 
+def _abscissa(own: FloatArray, near: FloatArray, far: FloatArray) -> FloatArray:
+    """``(own^2 + near^2 - far^2) / (2 own)`` with an error that is small beside ``near``, however short it is."""
+    safe = np.where(own > 0.0, own, 1.0)
+    by_near = own + (near - far) * ((near + far) / safe)
+    by_own = (own - far) * ((own + far) / safe) + near * (near / safe)
+    x = np.where(own > 0.0, 0.5 * np.where(near < own, by_own, by_near), 0.0)
+    return np.clip(x, -near, near)  # sides that rounding has left short of the triangle inequality
+
+
 def apexes(lengths: FloatArray) -> FloatArray:
-    """Third vertex of each triangle in the frame of each of its sides, shape (m, 3, 2)."""
-    own = lengths
+    """Third vertex of each triangle beside each of its sides, shape (m, 3, 3).
+
+    Its abscissa from the first vertex of the side, its abscissa backwards from the second one (their sum is
+    the length; each has the accuracy that a vertex close to that end needs), and its height.
+    """
     back = np.roll(lengths, 1, axis=1)  # from the third vertex to the first
     ahead = np.roll(lengths, -1, axis=1)  # from the second vertex to the third
-    safe = np.where(own > 0.0, own, 1.0)
-    x = 0.5 * (own + (back - ahead) * ((back + ahead) / safe))
-    y = triangle_doubled_areas(lengths)[:, None] / safe
-    return np.stack([np.where(own > 0.0, x, 0.0), np.where(own > 0.0, y, back)], axis=-1)
+    height = triangle_doubled_areas(lengths)[:, None] / np.where(lengths > 0.0, lengths, 1.0)
+    height = np.where(lengths > 0.0, height, back)
+    return np.stack([_abscissa(lengths, back, ahead), _abscissa(lengths, ahead, back), height], axis=-1)
 
 
 def corner_angles(lengths: FloatArray) -> FloatArray:
     """Angle at each corner of triangles given by their sides, shape (m, 3), radians."""
     apex = apexes(lengths)
-    return np.arctan2(apex[..., 1], apex[..., 0])
+    return np.arctan2(apex[..., 2], apex[..., 0])
 
 
 def vertex_angles(mesh: IntrinsicMesh) -> FloatArray:
@@ -79,18 +101,19 @@ def boundary_mask(mesh: IntrinsicMesh) -> npt.NDArray[np.bool_]:
 
 def unfolded(mesh: IntrinsicMesh) -> UnfoldedMesh:
     """The mesh with every triangle laid flat beside each of its sides."""
-    faces = np.ascontiguousarray(mesh.faces, dtype=np.int32)
-    lengths = np.ascontiguousarray(mesh.lengths, dtype=np.float64)
-    twins = np.ascontiguousarray(mesh.twins, dtype=np.int32).ravel()
-    tails = faces.ravel()
-    aligned = (twins >= 0) & (tails == tails[np.maximum(twins, 0)])
+    faces, lengths = mesh.faces, mesh.lengths
+    sides = np.zeros(faces.size, dtype=SIDE)
+    sides["length"] = lengths.ravel()
+    sides["cx"], sides["from_head"], sides["cy"] = apexes(lengths).reshape(-1, 3).T
+    sides["tail"], sides["twin"] = faces.ravel(), mesh.twins.ravel()
+    sides["aligned"] = (sides["twin"] >= 0) & (sides["tail"] == sides["tail"][sides["twin"]])
     straight = np.where(boundary_mask(mesh), np.pi, 2 * np.pi)
     bends = vertex_angles(mesh) > straight - ANGLE_SLACK
-    # A side without length has no windows: both of its ends must pass the wave on instead.
-    collapsed = lengths == 0.0
+    # A side without length has no windows: both of its ends must pass the wave on instead. So must those of a
+    # very short one, where rounding of the long sides leaves the angles uncertain.
+    collapsed = lengths <= SHORT * lengths.max(axis=1, keepdims=True)
     bends[faces[collapsed]] = True
     bends[np.roll(faces, -1, axis=1)[collapsed]] = True
-    corners = np.argsort(tails, kind="stable").astype(np.int32)
-    start = np.concatenate([[0], np.cumsum(np.bincount(tails, minlength=mesh.n_vertices))]).astype(np.int32)
-    apex = np.ascontiguousarray(apexes(lengths).reshape(-1, 2))
-    return UnfoldedMesh(faces, twins, aligned, lengths.ravel(), apex, bends, start, corners)
+    corners = np.argsort(sides["tail"], kind="stable").astype(np.int32)
+    start = np.concatenate([[0], np.cumsum(np.bincount(sides["tail"], minlength=mesh.n_vertices))])
+    return UnfoldedMesh(sides, bends, start.astype(np.int32), corners)
