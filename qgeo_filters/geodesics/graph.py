@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import sparse
 from scipy.sparse.csgraph import connected_components, dijkstra
 
 from qgeo_filters.geodesics.clusters import compact_order
@@ -15,7 +14,8 @@ from qgeo_filters.geodesics.edges import mesh_edges
 from qgeo_filters.geodesics.lanes import LANES
 from qgeo_filters.geodesics.layout import layout_of
 from qgeo_filters.geodesics.metric import IntrinsicMesh
-from qgeo_filters.geodesics.sweeps import mesh_order, solve
+from qgeo_filters.geodesics.rows import merged, transposed
+from qgeo_filters.geodesics.sweeps import solve
 from qgeo_filters.geodesics.windows import look_from
 
 FloatArray = npt.NDArray[np.float64]
@@ -25,6 +25,8 @@ IntArray = npt.NDArray[np.int32]
 _SPAN = {np.dtype(np.int32): 2.0**30, np.dtype(np.float64): 2.0**52}
 # Of the accuracy, the share that is kept for rounding lengths up to ticks.
 _ROUNDING = 0.02
+# Width of a band of distance, in mean edge lengths: narrow enough for one pass to do nearly all.
+_BAND = 0.25
 # Vertices that one task looks from when the graph is built.
 _CHUNK = 128
 
@@ -45,6 +47,8 @@ class GeodesicGraph:
         The graph in compressed rows; lengths in ticks, whole numbers in int32 or float64.
     mesh_start, mesh_neighbour, mesh_length : (n + 1,), (2E,), (2E,)
         The edges of the mesh in compressed rows.
+    band, n_bands : float, int
+        Width and number of the bands of distance in whose order vertices are swept.
     tick : float
         Unit of ``length`` in the unit of the metric.
     unreached : float
@@ -55,12 +59,14 @@ class GeodesicGraph:
 
     vertex: IntArray
     place: IntArray
-    start: IntArray
+    start: npt.NDArray[np.int64]
     neighbour: IntArray
     length: np.ndarray
     mesh_start: IntArray
     mesh_neighbour: IntArray
     mesh_length: FloatArray
+    band: float
+    n_bands: int
     tick: float
     unreached: float
     accuracy: float
@@ -70,18 +76,15 @@ class GeodesicGraph:
         """Number of vertices, those without faces included."""
         return len(self.vertex)
 
-    def distances_into(self, rows: np.ndarray, sources: IntArray) -> None:
-        """Fill ``rows`` (s, n), float32 or float64, with the distances from s sources that should be close together."""
-        places = self.place[sources]
-        order = mesh_order(self.mesh_start, self.mesh_neighbour, self.mesh_length, places)
-        block = _aligned((self.n_vertices, LANES), self.length.dtype)
-        awake = np.empty(self.n_vertices, np.bool_)
-        for first in range(0, len(places), LANES):
-            part = slice(first, first + LANES)
-            solve(
-                self.start, self.neighbour, self.length, order, self.unreached,
-                places[part], block, awake, self.place, self.tick, rows[part],
-            )  # fmt: skip
+    def distances_into(self, out: np.ndarray, rows: npt.NDArray[np.int64], sources: npt.NDArray[np.int64]) -> None:
+        """Distances from each source into its row of ``out`` (., n), float32 or float64.
+
+        Sources that follow each other should be close together: so are `vertex`'s.
+        """
+        solve(
+            self.start, self.neighbour, self.length, self.mesh_start, self.mesh_neighbour, self.mesh_length,
+            self.band, self.n_bands, self.unreached, self.place, self.tick, self.place[sources], out, rows,
+        )  # fmt: skip
 
 
 def geodesic_graph(mesh: IntrinsicMesh, accuracy: float = 1e-3, *, workers: int = 1) -> GeodesicGraph:
@@ -114,40 +117,30 @@ def geodesic_graph(mesh: IntrinsicMesh, accuracy: float = 1e-3, *, workers: int 
     mesh_rows = edges[vertex][:, vertex]
     # The error of many steps is eps + eps^2, that of rounding to ticks comes on top.
     epsilon = accuracy * (1 - 2 * _ROUNDING)
-    graph = _joined(*_look(mesh, epsilon, bound, workers), place)
-    length, tick, unreached = _in_ticks(graph.data, bound, accuracy)
+    counts, ends, lengths = _look(mesh, vertex, epsilon, bound, workers)
+    length, tick, unreached = _in_ticks(lengths, bound, accuracy)
+    backward = transposed(np.concatenate([[0], np.cumsum(counts)]), place[ends], length)
+    start, neighbour, length = merged(*transposed(*backward), *backward)
+    band = max(_BAND * float(mesh_rows.data.mean()), bound / (4 * len(vertex))) or 1.0
+    n_bands = int(bound / band) + 1
     return GeodesicGraph(
-        vertex, place, graph.indptr, graph.indices, length,
-        mesh_rows.indptr, mesh_rows.indices, mesh_rows.data, tick, unreached, accuracy,
+        vertex, place, start, neighbour, length,
+        mesh_rows.indptr, mesh_rows.indices, mesh_rows.data, band, n_bands, tick, unreached, accuracy,
     )  # fmt: skip
 
 
-def _look(mesh: IntrinsicMesh, epsilon: float, limit: float, workers: int) -> tuple[IntArray, IntArray, FloatArray]:
-    """Directed edges of the graph: the vertices that they leave, where they end, their lengths."""
+def _look(
+    mesh: IntrinsicMesh, vertex: IntArray, epsilon: float, limit: float, workers: int
+) -> tuple[npt.NDArray[np.int64], IntArray, FloatArray]:
+    """Directed edges of the graph: how many leave each vertex in this order, where they end, their lengths."""
     layout = layout_of(mesh)
-    n = mesh.n_vertices
 
-    def task(first: int) -> tuple[IntArray, IntArray, FloatArray]:
-        return look_from(*layout, first, min(first + _CHUNK, n), epsilon, limit)
+    def task(first: int) -> tuple[npt.NDArray[np.int64], IntArray, FloatArray]:
+        return look_from(*layout, vertex[first : first + _CHUNK], epsilon, limit)
 
     with ThreadPoolExecutor(workers) as pool:
-        counts, ends, lengths = zip(*pool.map(task, range(0, n, _CHUNK)), strict=True)
-    tails = np.repeat(np.arange(n, dtype=np.int32), np.concatenate(counts))
-    return tails, np.concatenate(ends), np.concatenate(lengths)
-
-
-def _joined(tails: IntArray, heads: IntArray, lengths: FloatArray, place: IntArray) -> sparse.csr_array:
-    """Undirected graph over places, the shorter length where the directions differ; zero lengths are stored."""
-    n = len(place)
-    a, b = place[tails].astype(np.int64), place[heads].astype(np.int64)
-    key = np.concatenate([a * n + b, b * n + a])
-    length = np.tile(lengths, 2)
-    order = np.lexsort((length, key))
-    key, length = key[order], length[order]
-    first = np.concatenate([[True], key[1:] != key[:-1]])[: len(key)]
-    key, length = key[first], length[first]
-    start = np.searchsorted(key, np.arange(n + 1) * n).astype(np.int32)
-    return sparse.csr_array((length, (key % n).astype(np.int32), start), shape=(n, n))
+        counts, ends, lengths = zip(*pool.map(task, range(0, len(vertex), _CHUNK)), strict=True)
+    return np.concatenate(counts), np.concatenate(ends), np.concatenate(lengths)
 
 
 def _in_ticks(lengths: FloatArray, bound: float, accuracy: float) -> tuple[np.ndarray, float, float]:
@@ -162,11 +155,3 @@ def _in_ticks(lengths: FloatArray, bound: float, accuracy: float) -> tuple[np.nd
     # Rounding up may add a tick to each step of a path: hence the room above the bound.
     tick = 1.001 * bound / _SPAN[dtype] if bound > 0 else 1.0
     return np.ceil(lengths / tick).astype(dtype), tick, _SPAN[dtype]
-
-
-def _aligned(shape: tuple[int, int], dtype: np.dtype) -> np.ndarray:
-    """Uninitialised array whose rows of 16 do not straddle cache lines."""
-    size = shape[0] * shape[1] * dtype.itemsize
-    raw = np.empty(size + 64, np.uint8)
-    offset = -raw.ctypes.data % 64
-    return raw[offset : offset + size].view(dtype).reshape(shape)

@@ -9,7 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 from llvmlite import ir
-from numba import types
+import numpy as np
+from numba import njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
@@ -66,3 +67,11 @@ def pull(typingctx, block, t, start, neighbour, length):  # type: ignore[no-unty
         return builder.icmp_unsigned("!=", fell, ir.IntType(LANES)(0))
 
     return types.boolean(block, t, start, neighbour, length), codegen
+
+
+@njit(cache=True, nogil=True)
+def aligned_block(n, like):  # type: ignore[no-untyped-def]
+    """Uninitialised block (n, 16) of the dtype of ``like`` whose rows do not straddle cache lines."""
+    flat = np.empty((n + 1) * LANES, like.dtype)
+    skip = (-flat.ctypes.data % 64) // flat.itemsize
+    return flat[skip : skip + n * LANES].reshape(n, LANES)

@@ -18,8 +18,8 @@ from qgeo_filters.validation import checked_indices
 
 FloatArray = npt.NDArray[np.float64]
 
-# Sources of one task: they share an order of the vertices, and are the unit of work of a thread.
-GROUP = 128
+# Sources of one task, a few blocks of lanes.
+GROUP = 64
 METHODS = ("graph", "exact", "edges")
 
 
@@ -84,9 +84,7 @@ def distances(
     parts = [together[i : i + GROUP] for i in range(0, len(chosen), GROUP)]
 
     def task(part: npt.NDArray[np.int64]) -> None:
-        rows = np.empty((len(part), graph.n_vertices))
-        graph.distances_into(rows, chosen[part])
-        result[part] = rows
+        graph.distances_into(result, part, chosen[part])
 
     run_blocks(task, parts, threads, progress)
     return result
@@ -135,10 +133,8 @@ def distance_matrix(
     matrix = np.empty((n, n), np.float32)
 
     def task(first: int) -> None:
-        sources = graph.vertex[first : first + GROUP]
-        rows = np.empty((len(sources), n), np.float32)
-        graph.distances_into(rows, sources)
-        matrix[sources] = rows
+        sources = graph.vertex[first : first + GROUP].astype(np.int64)
+        graph.distances_into(matrix, sources, sources)
 
     run_blocks(task, range(0, n, GROUP), threads, progress)
     return matrix

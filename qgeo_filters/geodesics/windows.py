@@ -192,40 +192,37 @@ def look(start, length, apex_x, apex_y, twin, corners, epsilon, limit, queue, si
 
 
 @njit(cache=True, nogil=True)
-def look_from(start, length, apex_x, apex_y, twin, corner_start, corners, first, last, epsilon, limit):  # type: ignore[no-untyped-def]  # fmt: skip
-    """Edges out of the vertices first, ..., last - 1: how many each, their ends and lengths."""
+def look_from(start, length, apex_x, apex_y, twin, corner_start, corners, vertices, epsilon, limit):  # type: ignore[no-untyped-def]  # fmt: skip
+    """Edges of the graph out of some vertices: how many each, their ends and lengths."""
     n = len(corner_start) - 1
     near, hop, direct = np.full(n, np.inf), np.full(n, np.inf), np.full(n, np.inf)
     found, met = np.empty(n, np.int32), np.empty(n, np.int32)
     queue, sides = np.empty((512, WIDTH)), np.empty(512, np.int64)
-    counts = np.zeros(last - first, np.int32)
-    ends, lengths = np.empty(128 * (last - first) + n, np.int32), np.empty(128 * (last - first) + n)
-    total = 0
-    v = first
-    while v < last:
+    counts = np.zeros(len(vertices), np.int64)
+    ends, lengths = np.empty(64 * len(vertices), np.int32), np.empty(64 * len(vertices))
+    total = i = 0
+    while i < len(vertices):
+        v = vertices[i]
         near[v] = direct[v] = 0.0
         count, others, complete = look(
             start, length, apex_x, apex_y, twin, corners[corner_start[v] : corner_start[v + 1]],
             epsilon, limit, queue, sides, near, hop, direct, found, met,
         )  # fmt: skip
         if total + count > len(ends):
-            more = np.empty(2 * len(ends), np.int32)
-            more[:total] = ends[:total]
-            ends = more
-            longer = np.empty(len(ends))
-            longer[:total] = lengths[:total]
-            lengths = longer
-        for i in range(count):
-            q = found[i]
-            ends[total + i], lengths[total + i] = q, direct[q]
+            more, longer = np.empty(2 * (total + count), np.int32), np.empty(2 * (total + count))
+            more[:total], longer[:total] = ends[:total], lengths[:total]
+            ends, lengths = more, longer
+        for k in range(count):
+            q = found[k]
+            ends[total + k], lengths[total + k] = q, direct[q]
             near[q] = hop[q] = direct[q] = np.inf
-        for i in range(others):
-            near[met[i]] = hop[met[i]] = np.inf
+        for k in range(others):
+            near[met[k]] = hop[met[k]] = np.inf
         near[v] = direct[v] = np.inf
-        if not complete:  # once more with room for more windows
+        if complete:
+            counts[i] = count
+            total += count
+            i += 1
+        else:  # once more with room for more windows
             queue, sides = np.empty((2 * len(sides), WIDTH)), np.empty(2 * len(sides), np.int64)
-            continue
-        counts[v - first] = count
-        total += count
-        v += 1
     return counts, ends[:total].copy(), lengths[:total].copy()
