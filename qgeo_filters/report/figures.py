@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from qgeo_filters.spectral.distance_spectrum import Spectrum
 
 __all__ = [
+    "plot_attribute",
     "plot_correspondence",
     "plot_distance_field",
     "plot_distance_matrix",
@@ -30,11 +31,13 @@ __all__ = [
     "plot_path",
     "plot_scalar",
     "plot_spectrum",
+    "plot_surface",
     "plot_symmetry",
 ]
 
 MARK = (0.86, 0.11, 0.16)
 _LINES = 18
+_MOST_REGIONS = 24
 
 
 def plot_scalar(
@@ -65,6 +68,42 @@ def plot_scalar(
     scale = diverging(values) if signed else sequential(values)
     panel = Panel(surface, view or _view_of(surface), options={"values": values, "scale": scale})
     return panel_figure([panel], width=4.2, scale=scale, scale_label=label)
+
+
+def plot_surface(surface: Surface, *, title: str = "", view: View | None = None) -> Figure:
+    """Figure of the bare surface, its boundary in red."""
+    radius = 0.25 * _radius(surface)
+    glyphs = [tube(surface.vertices[np.append(loop, loop[0])], radius, MARK) for loop in surface.boundary_loops]
+    panel = Panel(surface, view or _view_of(surface), title, {"glyphs": glyphs})
+    return panel_figure([panel], width=4.2)
+
+
+def plot_attribute(surface: Surface, name: str, values: npt.ArrayLike, *, view: View | None = None) -> Figure:
+    """Figure of a named attribute of any width: whole numbers as regions, columns side by side (the first six).
+
+    Parameters
+    ----------
+    surface : Surface
+    name : str
+    values : array-like, shape (n,) or (n, k)
+    view : View, optional
+    """
+    values = np.asarray(values).reshape(surface.n_vertices, -1)
+    view = view or _view_of(surface)
+    if values.shape[1] == 1 and values.dtype.kind in "bi" and len(np.unique(values)) <= _MOST_REGIONS:
+        kinds, labels = np.unique(values[:, 0].astype(np.int64), return_inverse=True)
+        options = {"labels": np.where(kinds[labels] < 0, -1, labels), "colors": distinct(len(kinds))}
+        return panel_figure([Panel(surface, view, name, options)], width=4.2)
+    if values.shape[1] == 1:
+        return plot_scalar(surface, values[:, 0], name, view=view)
+    shown = values[:, :6].astype(np.float64)
+    finite = shown[np.isfinite(shown)]
+    signed = bool(finite.size) and float(finite.min()) < 0
+    scale = diverging(shown) if signed else sequential(shown)
+    panels = [
+        Panel(surface, view, f"column {k}", {"values": shown[:, k], "scale": scale}) for k in range(shown.shape[1])
+    ]
+    return panel_figure(panels, columns=3, scale=scale, scale_label=name)
 
 
 def plot_eigenfunctions(

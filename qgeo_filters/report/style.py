@@ -28,8 +28,8 @@ figure img {
 }
 figcaption { padding: .7rem 1rem .8rem; border-top: 1px solid var(--line); font-size: .92rem;
   color: var(--faint); }
-.tables { display: grid; gap: 1.25rem; margin-top: 1.25rem; align-items: start;
-  grid-template-columns: repeat(auto-fit, minmax(min(24rem, 100%), 1fr)); }
+.tables { columns: 2 24rem; column-gap: 1.25rem; margin-top: 1.25rem; }
+.table { break-inside: avoid; margin-bottom: 1.25rem; }
 .table { padding: 1rem; }
 .table p { margin: .6rem 0 0; font-size: .9rem; color: var(--faint); }
 .scroll { overflow-x: auto; }

@@ -1,0 +1,52 @@
+"""The command line: ``qgeo COMMAND``. Numbers, arrays, the mesh, pictures and a report, from files to a folder."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from qgeo_filters.cli.errors import OneLineErrors
+from qgeo_filters.cli.geodesics import distances
+from qgeo_filters.cli.mesh import info
+from qgeo_filters.cli.pipeline import run
+from qgeo_filters.cli.spectral import spectrum
+
+app = typer.Typer(
+    cls=OneLineErrors,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from qgeo_filters import __version__
+
+        typer.echo(f"qgeo-filters {__version__}")
+        raise typer.Exit
+
+
+@app.callback(invoke_without_command=True)
+def qgeo(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Show it.")] = False,
+    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+) -> None:
+    """Curvature-guided quasi-geodesics of triangle meshes, their spectrum and symmetry.
+
+    Every command writes result.json (numbers and parameters), result.npz (arrays), the mesh as PLY with its
+    attributes, PNG pictures and report.html into a folder.
+    """
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+
+
+for command in (info, distances, spectrum, run):
+    app.command()(command)
+
+
+def main() -> None:
+    """Entry point of ``qgeo``: exit code 2 and one line on stderr for bad input, 130 after Ctrl-C."""
+    app(prog_name="qgeo")

@@ -1,0 +1,174 @@
+"""``qgeo distances`` and ``qgeo path``: how far it is over the surface, and which way."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Annotated
+
+import typer
+
+from qgeo_filters.cli.options import (
+    DEFAULT_OUTPUT,
+    Accuracy,
+    Json,
+    MeshFile,
+    Method,
+    Output,
+    Pictures,
+    Quiet,
+    Repair,
+    Scalar,
+    Settings,
+    Smoothing,
+    Weight,
+)
+
+_LARGEST_MATRIX = 8 << 30  # bytes
+
+
+def distances(
+    mesh: MeshFile,
+    source: Annotated[
+        list[int] | None,
+        typer.Option("-s", "--source", metavar="VERTEX", help="Measure from this vertex only; may be repeated."),
+    ] = None,
+    curvature_weight: Weight = 0.0,
+    scalar: Scalar = "mean_curvature",
+    smoothing: Smoothing = 0.0,
+    method: Method = "graph",
+    accuracy: Accuracy = 1e-3,
+    output: Output = DEFAULT_OUTPUT,
+    repair: Repair = False,
+    pictures: Pictures = True,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Measure distances over the surface, between all pairs of vertices or from chosen ones.
+
+    result.npz: distances, (n, n) float32, or (s, n) float64 with sources (s,).
+    """
+    import numpy as np
+
+    from qgeo_filters.cli.job import Job
+    from qgeo_filters.geodesics.lifting import lifted_metric
+    from qgeo_filters.geodesics.matrix import distance_matrix
+    from qgeo_filters.geodesics.matrix import distances as distances_from
+    from qgeo_filters.report.figures import plot_distance_field, plot_distance_matrix, plot_scalar
+    from qgeo_filters.validation import checked_indices
+
+    parameters = {
+        "source": source or "all",
+        "curvature_weight": curvature_weight,
+        "scalar": scalar,
+        "smoothing": smoothing,
+        "method": method,
+        "accuracy": accuracy,
+        "repair": repair,
+    }
+    job = Job("distances", Settings(output, quiet, json, repair, pictures), parameters)
+    surface = job.read(mesh)
+    n = surface.n_vertices
+    if source:
+        checked_indices(source, n, "source")
+    elif 4 * n * n > _LARGEST_MATRIX:
+        raise ValueError(
+            f"all pairs of {n} vertices would take {4e-9 * n * n:.0f} GB; choose vertices with --source, or write the "
+            "matrix to disk with qgeo_filters.distance_matrix(out=...)"
+        )
+    with job.stage("metric"):
+        metric = lifted_metric(surface, scalar, curvature_weight, smoothing=smoothing)
+    field: np.ndarray
+    with job.stage("distances"):
+        if source:
+            field = distances_from(surface, source, metric, method, accuracy=accuracy, progress=job.progress)
+        else:
+            field = distance_matrix(surface, metric, method, accuracy=accuracy, progress=job.progress)
+    reached = np.isfinite(field)
+    results = {
+        "shape": list(field.shape),
+        "mean": float(field[reached].mean(dtype=np.float64)),
+        "max": float(field[reached].max()),
+        "unreachable_pairs": int((~reached).sum()),
+    }
+    if source:
+        attributes = {"qgeo_distance": field[0] if len(source) == 1 else field.T}
+        arrays = {"distances": field, "sources": np.array(source)}
+    else:
+        centrality = np.where(reached, field, 0).sum(axis=1, dtype=np.float64) / np.maximum(reached.sum(axis=1), 1)
+        attributes = {"qgeo_mean_distance": centrality}
+        arrays = {"distances": field}
+    job.save(results, arrays, surface.with_attributes(attributes))
+    for index, vertex in enumerate((source or [])[:6]):
+        job.picture(
+            f"distance_{vertex}",
+            f"Distance from vertex {vertex} (red), with lines of equal distance.",
+            partial(plot_distance_field, surface, field[index], vertex),
+        )
+    if not source:
+        job.picture(
+            "distance_matrix",
+            "The matrix of all distances (paper, Fig. 1), its rows in an order in which neighbours on the surface stay "
+            "together; the strip's colours say where on the surface a row is.",
+            lambda: plot_distance_matrix(field, surface),
+        )
+        job.picture(
+            "mean_distance",
+            "Mean distance of each vertex to all others: small in the middle of the shape, large at its ends.",
+            lambda: plot_scalar(surface, attributes["qgeo_mean_distance"], "mean distance (mesh units)"),
+        )
+    job.finish()
+
+
+def path(
+    mesh: MeshFile,
+    i: Annotated[int, typer.Argument(metavar="I", help="Vertex at the start, from 0.", show_default=False)],
+    j: Annotated[int, typer.Argument(metavar="J", help="Vertex at the end.", show_default=False)],
+    curvature_weight: Weight = 0.0,
+    scalar: Scalar = "mean_curvature",
+    smoothing: Smoothing = 0.0,
+    output: Output = DEFAULT_OUTPUT,
+    repair: Repair = False,
+    pictures: Pictures = True,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find the straightest way over the surface between two vertices, with its geodesic curvature.
+
+    result.npz: points (p, 3), length, kappa_g.
+    """
+    import numpy as np
+
+    from qgeo_filters.cli.job import Job
+    from qgeo_filters.geodesics.lifting import lifted_metric
+    from qgeo_filters.geodesics.paths import quasi_geodesic
+    from qgeo_filters.report.figures import plot_path
+    from qgeo_filters.validation import checked_index
+
+    parameters = {
+        "i": i,
+        "j": j,
+        "curvature_weight": curvature_weight,
+        "scalar": scalar,
+        "smoothing": smoothing,
+        "repair": repair,
+    }
+    job = Job("path", Settings(output, quiet, json, repair, pictures), parameters)
+    surface = job.read(mesh)
+    start, end = checked_index(i, surface.n_vertices, "I"), checked_index(j, surface.n_vertices, "J")
+    with job.stage("metric"):
+        metric = lifted_metric(surface, scalar, curvature_weight, smoothing=smoothing)
+    with job.stage("path"):
+        found = quasi_geodesic(surface, start, end, metric)
+    kappa = np.asarray(found.kappa_g)
+    results = {
+        "length": float(found.length),
+        "points": len(found.points),
+        "largest_kappa_g": float(np.nanmax(np.abs(kappa), initial=0.0)),
+        "converged": bool(found.converged),
+    }
+    ends = np.zeros(surface.n_vertices, dtype=np.int32)
+    ends[start], ends[end] = 1, 2
+    arrays = {"points": found.points, "length": np.float64(found.length), "kappa_g": kappa}
+    job.save(results, arrays, surface.with_attributes({"qgeo_path_end": ends}))
+    job.picture("path", f"The path from vertex {i} (yellow) to vertex {j} (red).", lambda: plot_path(surface, found))
+    job.finish()

@@ -1,0 +1,56 @@
+"""``qgeo info``: what a mesh is and what is wrong with it."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, MeshFile, Output, Pictures, Quiet, Repair, Settings
+
+if TYPE_CHECKING:
+    from qgeo_filters.surface import Surface
+
+
+def info(
+    mesh: MeshFile,
+    output: Output = DEFAULT_OUTPUT,
+    repair: Repair = False,
+    pictures: Pictures = True,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Describe a mesh: size, pieces, boundary, what is not manifold."""
+    from qgeo_filters.cli.job import Job
+    from qgeo_filters.report.figures import plot_surface
+
+    job = Job("info", Settings(output, quiet, json, repair, pictures), {"repair": repair})
+    surface = job.read(mesh)
+    with job.stage("describe"):
+        results = {**job.mesh, **_details(surface)}
+    del results["path"]
+    arrays = {"face_areas": surface.face_areas, "vertex_areas": surface.vertex_areas, "edges": surface.edges}
+    job.save(results, arrays, surface)
+    caption = "The surface" + (", its boundary in red." if not surface.is_closed else ": it has no boundary.")
+    job.picture("surface", caption, lambda: plot_surface(surface))
+    job.finish()
+
+
+def _details(surface: Surface) -> dict[str, Any]:
+    lengths = surface.edge_lengths
+    low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
+    return {
+        "closed": surface.is_closed,
+        "oriented": surface.is_oriented,
+        "euler_characteristic": surface.euler_characteristic,
+        "nonmanifold_edges": len(surface.nonmanifold_edges),
+        "nonmanifold_vertices": len(surface.nonmanifold_vertices),
+        "unreferenced_vertices": len(surface.unreferenced_vertices),
+        "faces_without_area": int((surface.face_areas == 0).sum()),
+        "edge_length_min": float(lengths.min()),
+        "edge_length_mean": float(lengths.mean()),
+        "edge_length_max": float(lengths.max()),
+        "smallest_angle_degrees": math.degrees(surface.corner_angles.min()),
+        "bounding_box_min": low.tolist(),
+        "bounding_box_max": high.tolist(),
+        "attributes": sorted(surface.attributes),
+    }

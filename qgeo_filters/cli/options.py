@@ -1,0 +1,49 @@
+"""Arguments and options that several commands share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+MeshFile = Annotated[
+    Path,
+    typer.Argument(metavar="MESH", help="OFF, OBJ, PLY, STL, GLB, or TOSCA's .vert/.tri, .mat.", show_default=False),
+]
+Output = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the results; made if missing.")]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but errors.")]
+Json = Annotated[bool, typer.Option("--json", help="Print result.json instead of the table.")]
+Repair = Annotated[
+    bool, typer.Option("--repair", help="Make the mesh manifold and one piece first; the report says what changed.")
+]
+Pictures = Annotated[bool, typer.Option("--pictures/--no-pictures", help="Write PNG pictures.")]
+Scalar = Annotated[
+    str, typer.Option("--scalar", help="Curvature that bends the metric, or the name of an attribute of the mesh.")
+]
+Weight = Annotated[
+    float,
+    typer.Option(
+        "-w", "--curvature-weight", help="lambda, a fraction of sqrt(area) per standard deviation; 0: plain geodesics."
+    ),
+]
+Smoothing = Annotated[float, typer.Option("--smoothing", help="Averages the scalar over this fraction of sqrt(area).")]
+Method = Annotated[
+    Literal["graph", "exact", "edges"],
+    typer.Option("--method", help="Near-exact and fast, exact, or Dijkstra on edges (for comparison)."),
+]
+Accuracy = Annotated[float, typer.Option("--accuracy", help="Relative error bound of the graph method.")]
+
+DEFAULT_OUTPUT = Path("qgeo-out")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a command is asked to do with its results."""
+
+    output: Path = DEFAULT_OUTPUT
+    quiet: bool = False
+    json: bool = False
+    repair: bool = False
+    pictures: bool = True

@@ -1,0 +1,95 @@
+"""``qgeo spectrum``: the eigenfunctions of all distances."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+import typer
+
+from qgeo_filters.cli.options import (
+    DEFAULT_OUTPUT,
+    Accuracy,
+    Json,
+    MeshFile,
+    Method,
+    Output,
+    Pictures,
+    Quiet,
+    Repair,
+    Scalar,
+    Settings,
+    Smoothing,
+    Weight,
+)
+
+Count = Annotated[int, typer.Option("-k", help="Number of eigenpairs.")]
+Weights = Annotated[
+    Literal["area", "uniform"],
+    typer.Option("--weights", help="Eigenproblem of the integral operator, or of the plain matrix (paper, eq. 2)."),
+]
+Landmarks = Annotated[
+    int | None, typer.Option("--landmarks", help="Number of farthest points that stand for all, for large meshes.")
+]
+
+
+def spectrum(
+    mesh: MeshFile,
+    k: Count = 20,
+    curvature_weight: Weight = 0.03,
+    scalar: Scalar = "mean_curvature",
+    smoothing: Smoothing = 0.0,
+    weights: Weights = "area",
+    landmarks: Landmarks = None,
+    method: Method = "graph",
+    accuracy: Accuracy = 1e-3,
+    output: Output = DEFAULT_OUTPUT,
+    repair: Repair = False,
+    pictures: Pictures = True,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Compute the eigenvalues and eigenfunctions of all quasi-geodesic distances.
+
+    result.npz: eigenvalues (k,), eigenfunctions (n, k), areas (n,).
+    """
+    from qgeo_filters.cli.job import Job
+    from qgeo_filters.filters.spectral import QuasiGeodesicSpectrum
+    from qgeo_filters.report.figures import plot_eigenfunctions, plot_spectrum
+
+    descriptor = QuasiGeodesicSpectrum(k, scalar, curvature_weight, weights, landmarks, smoothing, method, accuracy)
+    job = Job(
+        "spectrum",
+        Settings(output, quiet, json, repair, pictures),
+        {**descriptor.get_params(), "repair": repair},
+    )
+    surface = job.read(mesh)
+    with job.stage("spectrum"):
+        described = descriptor.apply(surface, progress=job.progress)
+    found = descriptor.spectrum_
+    arrays = {"eigenvalues": found.eigenvalues, "eigenfunctions": found.eigenfunctions, "areas": found.areas}
+    job.save(spectrum_results(found), arrays, described)
+    job.picture(
+        "eigenfunctions",
+        "The first eigenfunctions of the distances on the surface, in units of 1/sqrt(area); the line is zero.",
+        lambda: plot_eigenfunctions(surface, found),
+    )
+    job.picture("spectrum", "Eigenvalues by decreasing magnitude.", lambda: plot_spectrum(found.eigenvalues))
+    job.finish([eigenvalue_table(found)])
+
+
+def spectrum_results(found: Any) -> dict[str, Any]:
+    """Numbers of a spectrum for result.json."""
+    return {
+        "eigenvalues": found.eigenvalues.tolist(),
+        "positive_eigenvalues": int((found.eigenvalues > 0).sum()),
+        "multiplets": [list(group) for group in found.multiplets if len(group) > 1],
+    }
+
+
+def eigenvalue_table(found: Any) -> Any:
+    """Table of the eigenvalues for the report."""
+    from qgeo_filters.report.html import Table
+
+    first = abs(float(found.eigenvalues[0]))
+    rows = [(index, float(value), abs(float(value)) / first) for index, value in enumerate(found.eigenvalues, start=1)]
+    return Table("Eigenvalues", rows, ("k", "γ", "|γ| / |γ₁|"), "By decreasing magnitude.")
