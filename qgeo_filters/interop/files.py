@@ -83,8 +83,9 @@ def read_raw(path: str | os.PathLike[str], *, repair: bool = False) -> RawMesh:
     """Arrays of a file, not checked yet; ``repair`` triangulates polygons."""
     file = Path(path)
     reader = _READERS.get(file.suffix.lower())
-    if reader is None and file.with_name(file.name + ".vert").is_file():
-        file, reader = file.with_name(file.name + ".vert"), files_tosca.read_pair
+    stem = file.parent / f"{file.name}.vert"
+    if reader is None and stem.is_file():
+        file, reader = stem, files_tosca.read_pair
     if not file.exists():
         raise FileNotFoundError(f"no such file: {file}")
     if file.is_dir():
