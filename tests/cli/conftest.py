@@ -1,0 +1,62 @@
+"""A folder with small mesh files, and the command line in this process."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from shapes import blob, fan, grid, icosphere
+from typer.testing import CliRunner, Result
+
+from qgeo_filters.cli import app
+from qgeo_filters.interop.files import write_surface
+from qgeo_filters.report import panels
+from qgeo_filters.surface import Surface
+
+
+@pytest.fixture
+def meshes(tmp_path: Path) -> Path:
+    """Folder with sphere.ply, blob.off, square.obj, fan.off (three faces on an edge) and broken.off."""
+    for name, shape in (
+        ("sphere.ply", icosphere(2)),
+        ("blob.off", blob(2)),
+        ("square.obj", grid(6)),
+        ("fan.off", fan()),
+    ):
+        write_surface(Surface(*shape), tmp_path / name)
+    (tmp_path / "broken.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 nan\n3 0 1 9\n")
+    return tmp_path
+
+
+@pytest.fixture
+def qgeo(meshes: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
+    """Runs ``qgeo`` in the folder of the meshes, with pictures of few pixels."""
+    monkeypatch.chdir(meshes)
+    monkeypatch.setattr(panels, "DPI", 40)
+    return lambda *args: CliRunner().invoke(app, [str(arg) for arg in args])
+
+
+@pytest.fixture
+def loaded() -> Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]:
+    """Loads the numbers and arrays of a result folder, after the checks that hold for every command."""
+    return _loaded
+
+
+def _loaded(folder: Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """The numbers and arrays of a result folder, after the checks that hold for every command."""
+    content = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+    assert sorted(content["files"]) == sorted(path.name for path in folder.iterdir() if path.is_file())
+    assert {"command", "qgeo_filters", "parameters", "mesh", "results", "seconds"} <= set(content)
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert "http:" not in page
+    assert "https:" not in page
+    for name in content["files"]:
+        if name.endswith(".png"):
+            assert (folder / name).read_bytes().startswith(b"\x89PNG")
+    assert page.count("data:image/png;base64,") == sum(name.endswith(".png") for name in content["files"])
+    with np.load(folder / "result.npz", allow_pickle=False) as arrays:
+        return content, dict(arrays)

@@ -1,0 +1,178 @@
+"""Every command: what it leaves behind, loaded and compared with the function layer."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import Result
+
+import qgeo_filters as qg
+
+Qgeo = Callable[..., Result]
+Loaded = Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]
+
+
+def test_info(qgeo: Qgeo, loaded: Loaded) -> None:
+    result = qgeo("info", "square.obj")
+    assert result.exit_code == 0
+    assert "boundary_loops" in result.stdout
+    content, arrays = loaded(Path("qgeo-out"))
+    found = content["results"]
+    assert (found["vertices"], found["faces"], found["boundary_loops"], found["closed"]) == (49, 72, 1, False)
+    assert found["area"] == pytest.approx(1.0)
+    assert found["euler_characteristic"] == 1
+    assert arrays["face_areas"].sum() == pytest.approx(1.0)
+    assert (Path("qgeo-out") / "surface.png").exists()
+
+
+def test_info_describes_what_is_no_surface(qgeo: Qgeo, loaded: Loaded) -> None:
+    assert qgeo("info", "fan.off").exit_code == 0
+    content, _ = loaded(Path("qgeo-out"))
+    assert content["results"]["manifold"] is False
+    assert content["results"]["nonmanifold_edges"] == 1
+    assert content["results"]["genus"] is None
+
+
+def test_repair_is_reported(qgeo: Qgeo, loaded: Loaded) -> None:
+    assert qgeo("info", "fan.off", "--repair").exit_code == 0
+    content, _ = loaded(Path("qgeo-out"))
+    assert content["results"]["manifold"] is True
+    assert content["mesh"]["repaired"]
+
+
+def test_distances_of_all_pairs(qgeo: Qgeo, loaded: Loaded) -> None:
+    assert qgeo("distances", "sphere.ply").exit_code == 0
+    content, arrays = loaded(Path("qgeo-out"))
+    surface = qg.Surface.read("sphere.ply")
+    np.testing.assert_array_equal(arrays["distances"], qg.distance_matrix(surface))
+    assert content["results"]["shape"] == [162, 162]
+    assert content["results"]["max"] == pytest.approx(np.pi, rel=0.03)
+    written = qg.Surface.read("qgeo-out/sphere.ply")
+    np.testing.assert_array_equal(written.vertices, surface.vertices)
+    np.testing.assert_allclose(written.attributes["qgeo_mean_distance"], arrays["distances"].mean(axis=1), rtol=1e-5)
+    assert "distance_matrix.png" in content["files"]
+
+
+def test_distances_from_sources_in_a_lifted_metric(qgeo: Qgeo, loaded: Loaded) -> None:
+    command = ("distances", "blob.off", "-s", 3, "-s", 7, "-w", 0.1, "--scalar", "curvedness", "--method", "exact")
+    assert qgeo(*command, "-o", "out/deep").exit_code == 0
+    content, arrays = loaded(Path("out/deep"))
+    surface = qg.Surface.read("blob.off")
+    expected = qg.distances(surface, [3, 7], qg.lifted_metric(surface, "curvedness", 0.1), "exact")
+    np.testing.assert_array_equal(arrays["distances"], expected)
+    assert arrays["sources"].tolist() == [3, 7]
+    assert content["parameters"]["curvature_weight"] == 0.1
+    assert qg.Surface.read("out/deep/blob.ply").attributes["qgeo_distance"].shape == (162, 2)
+    assert {"distance_3.png", "distance_7.png"} <= set(content["files"])
+
+
+def test_distances_between_pieces_are_counted_and_legible_json(qgeo: Qgeo, loaded: Loaded) -> None:
+    sphere = qg.Surface.read("sphere.ply")
+    vertices = np.concatenate([sphere.vertices, sphere.vertices + 5])
+    qg.Surface(vertices, np.concatenate([sphere.faces, sphere.faces + 162])).write("two.off")
+    assert qgeo("distances", "two.off").exit_code == 0
+    content, arrays = loaded(Path("qgeo-out"))
+    assert content["results"]["unreachable_pairs"] == 2 * 162**2 == np.isinf(arrays["distances"]).sum()
+
+
+def test_spectrum(qgeo: Qgeo, loaded: Loaded) -> None:
+    assert qgeo("spectrum", "blob.off", "-k", 7, "-w", 0.05).exit_code == 0
+    content, arrays = loaded(Path("qgeo-out"))
+    surface = qg.Surface.read("blob.off")
+    expected = qg.distance_spectrum(surface, 7, qg.lifted_metric(surface, weight=0.05))
+    np.testing.assert_allclose(arrays["eigenvalues"], expected.eigenvalues, rtol=1e-6)
+    gram = arrays["eigenfunctions"].T @ (arrays["areas"][:, None] * arrays["eigenfunctions"])
+    np.testing.assert_allclose(gram, np.eye(7), atol=1e-6)
+    assert content["results"]["eigenvalues"] == arrays["eigenvalues"].tolist()
+    assert qg.Surface.read("qgeo-out/blob.ply").attributes["qgeo_phi"].shape == (162, 7)
+    assert {"eigenfunctions.png", "spectrum.png"} <= set(content["files"])
+
+
+PIPELINE = (qg.DifferentialCoordinates("cotangent") | qg.QuasiGeodesicDistances(4), ("qgeo_delta", "qgeo_distance"))
+
+
+def test_run_on_one_mesh(qgeo: Qgeo, loaded: Loaded) -> None:
+    pipeline, names = PIPELINE
+    pipeline.save("pipe.yaml")
+    assert qgeo("run", "pipe.yaml", "blob.off").exit_code == 0
+    content, arrays = loaded(Path("qgeo-out"))
+    expected = pipeline(qg.Surface.read("blob.off")).attributes
+    assert set(arrays) == set(names)
+    for name in names:
+        np.testing.assert_array_equal(arrays[name], expected[name])
+        np.testing.assert_array_equal(qg.Surface.read("qgeo-out/blob.ply").attributes[name], expected[name])
+        assert f"{name}.png" in content["files"]
+    assert content["parameters"]["2. QuasiGeodesicDistances"]["sources"] == 4
+
+
+def test_run_on_several_meshes_gives_each_a_folder(qgeo: Qgeo, loaded: Loaded) -> None:
+    Path("other").mkdir()
+    qg.Surface.read("sphere.ply").write("other/blob.off")
+    PIPELINE[0].save("pipe.yaml")
+    assert qgeo("run", "pipe.yaml", "blob.off", "square.obj", "other/blob.off", "--no-pictures").exit_code == 0
+    for folder, path in (("blob-1", "blob.off"), ("square", "square.obj"), ("blob-2", "other/blob.off")):
+        content, arrays = loaded(Path("qgeo-out") / folder)
+        assert content["mesh"]["path"] == path
+        assert len(arrays["qgeo_distance"]) == content["mesh"]["vertices"]
+
+
+def test_run_repairs(qgeo: Qgeo, loaded: Loaded) -> None:
+    PIPELINE[0].set_params(steps=[qg.QuasiGeodesicDistances(0)]).save("pipe.yaml")
+    assert qgeo("run", "pipe.yaml", "fan.off").exit_code == 2
+    assert qgeo("run", "pipe.yaml", "fan.off", "--repair").exit_code == 0
+    content, _ = loaded(Path("qgeo-out"))
+    assert content["mesh"]["repaired"]
+
+
+# -- what is common to all --------------------------------------------------------------------------
+
+
+def test_no_pictures(qgeo: Qgeo, loaded: Loaded) -> None:
+    assert qgeo("spectrum", "sphere.ply", "-k", 3, "--no-pictures").exit_code == 0
+    content, _ = loaded(Path("qgeo-out"))
+    assert not [name for name in content["files"] if name.endswith(".png")]
+
+
+def test_json_is_printed_and_nothing_else(qgeo: Qgeo) -> None:
+    result = qgeo("info", "sphere.ply", "--json")
+    assert json.loads(result.stdout) == json.loads(Path("qgeo-out/result.json").read_text(encoding="utf-8"))
+    assert result.stderr == ""
+
+
+def test_quiet_is_silent(qgeo: Qgeo) -> None:
+    for command in (("info",), ("distances",), ("spectrum", "-k", 3)):
+        result = qgeo(command[0], "sphere.ply", *command[1:], "-q")
+        assert (result.exit_code, result.stdout, result.stderr) == (0, "", "")
+
+
+def test_a_new_result_replaces_an_old_one_and_leaves_other_files_alone(qgeo: Qgeo, loaded: Loaded) -> None:
+    assert qgeo("distances", "sphere.ply").exit_code == 0
+    Path("qgeo-out/notes.txt").write_text("mine")
+    assert qgeo("info", "blob.off").exit_code == 0
+    assert Path("qgeo-out/notes.txt").read_text() == "mine"
+    Path("qgeo-out/notes.txt").unlink()
+    content, _ = loaded(Path("qgeo-out"))  # the files are those of the second command and no others
+    assert content["command"] == "info"
+
+
+def test_same_input_same_files(qgeo: Qgeo) -> None:
+    for folder in ("one", "two"):
+        assert qgeo("spectrum", "blob.off", "-k", 4, "-o", folder).exit_code == 0
+    for name in ("result.npz", "blob.ply", "eigenfunctions.png", "spectrum.png"):
+        assert Path("one", name).read_bytes() == Path("two", name).read_bytes()
+
+
+def test_help_and_version(qgeo: Qgeo) -> None:
+    assert qgeo("--version").stdout == f"qgeo-filters {qg.__version__}\n"
+    bare = qgeo()
+    assert bare.exit_code == 0
+    for name in ("info", "distances", "spectrum", "run"):
+        assert name in bare.stdout
+        shown = qgeo(name, "-h")
+        assert shown.exit_code == 0
+        assert "--output" in shown.stdout

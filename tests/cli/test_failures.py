@@ -1,0 +1,165 @@
+"""Bad input gives exit code 2 and one line; what is written is whole; Ctrl-C keeps what was finished."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import Result
+
+Qgeo = Callable[..., Result]
+
+BAD = [
+    (["info", "nowhere.off"], "nowhere.off"),
+    (["info", "."], "folder"),
+    (["info", "pipe.yaml"], "unknown suffix '.yaml'"),
+    (["info", "broken.off"], "broken.off"),
+    (["info"], "Missing argument 'MESH'"),
+    (["info", "sphere.ply", "--bogus"], "No such option: --bogus"),
+    (["bogus"], "No such command 'bogus'"),
+    (["distances", "fan.off"], "edge (0, 1) has 3 faces"),
+    (["distances", "sphere.ply", "-s", "162"], "vertex 162, but there are 162 vertices"),
+    (["distances", "sphere.ply", "-s", "-1"], "-1"),
+    (["distances", "sphere.ply", "-s", "x"], "--source"),
+    (["distances", "sphere.ply", "--method", "magic"], "magic"),
+    (["distances", "sphere.ply", "--accuracy", "0"], "accuracy"),
+    (["distances", "sphere.ply", "--scalar", "nonsense", "-w", "1"], "unknown scalar 'nonsense'"),
+    (["spectrum", "sphere.ply", "-k", "0"], "k must be between 1 and the number of vertices, 162, got 0"),
+    (["spectrum", "sphere.ply", "-k", "163"], "got 163"),
+    (["spectrum", "sphere.ply", "-w", "-1"], "-1"),
+    (["run", "nowhere.yaml", "sphere.ply"], "nowhere.yaml"),
+    (["run", "pipe.yaml", "sphere.ply"], "pipe.yaml: steps[0] names the unknown filter 'Magic'"),
+    (["run", "sphere.ply", "sphere.ply"], "sphere.ply"),
+    (["info", "sphere.ply", "-o", "blob.off"], "not a folder"),
+]
+
+
+@pytest.mark.parametrize(("command", "expected"), BAD, ids=[" ".join(command) for command, _ in BAD])
+def test_bad_input(qgeo: Qgeo, command: list[str], expected: str) -> None:
+    Path("pipe.yaml").write_text("qgeo_pipeline: 1\nsteps: [{Magic: {}}]\n")
+    result = qgeo(*command)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert result.stderr.startswith("qgeo: ")
+    assert result.stderr.count("\n") == 1
+    assert expected in result.stderr
+    assert not Path("qgeo-out").exists()
+
+
+def test_a_bad_mesh_among_several_is_met_before_any_is_computed(qgeo: Qgeo) -> None:
+    Path("pipe.yaml").write_text("qgeo_pipeline: 1\nsteps: [DifferentialCoordinates]\n")
+    result = qgeo("run", "pipe.yaml", "sphere.ply", "broken.off")
+    assert result.exit_code == 2
+    assert "broken.off" in result.stderr
+    assert not Path("qgeo-out").exists()
+
+
+def test_bad_input_leaves_an_earlier_result_alone(qgeo: Qgeo) -> None:
+    assert qgeo("info", "sphere.ply").exit_code == 0
+    before = {path.name: path.read_bytes() for path in Path("qgeo-out").iterdir()}
+    assert qgeo("spectrum", "sphere.ply", "-k", 0).exit_code == 2
+    assert {path.name: path.read_bytes() for path in Path("qgeo-out").iterdir()} == before
+
+
+def test_too_large_a_matrix_is_refused_before_it_is_tried(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
+    from qgeo_filters.cli import geodesics
+
+    monkeypatch.setattr(geodesics, "_LARGEST_MATRIX", 1000)
+    result = qgeo("distances", "sphere.ply")
+    assert result.exit_code == 2
+    assert "--source" in result.stderr
+
+
+def test_debug_shows_the_traceback(qgeo: Qgeo) -> None:
+    result = qgeo("--debug", "info", "nowhere.off")
+    assert isinstance(result.exception, FileNotFoundError)
+
+
+def test_a_bug_is_not_taken_for_bad_input(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
+    from qgeo_filters.cli import mesh
+
+    monkeypatch.setattr(mesh, "_details", lambda surface: {}["bug"])
+    assert isinstance(qgeo("info", "sphere.ply").exception, KeyError)
+
+
+def test_a_failing_write_leaves_no_part_of_a_file(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
+    def half(file, **arrays):  # type: ignore[no-untyped-def]
+        file.write(b"half of it")
+        raise OSError(28, "No space left on device", "result.npz")
+
+    monkeypatch.setattr(np, "savez", half)
+    result = qgeo("info", "sphere.ply")
+    assert result.exit_code == 2
+    assert result.stderr == "qgeo: result.npz: No space left on device\n"
+    assert list(Path("qgeo-out").iterdir()) == []
+
+
+def test_interruption_keeps_what_is_finished(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
+    from qgeo_filters.report import figures
+
+    def interrupted(*args: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(figures, "plot_spectrum", interrupted)
+    result = qgeo("spectrum", "sphere.ply", "-k", 3)
+    assert result.exit_code == 130
+    assert result.stderr == "qgeo: interrupted; what was finished is kept\n"
+    names = {path.name for path in Path("qgeo-out").iterdir()}
+    assert names == {"result.json", "result.npz", "sphere.ply", "eigenfunctions.png"}
+    assert len(np.load("qgeo-out/result.npz")["eigenvalues"]) == 3
+
+
+# -- as a process -----------------------------------------------------------------------------------
+
+QGEO = [sys.executable, "-c", "from qgeo_filters.cli import main; main()"]
+
+
+def process(*command: object, cwd: Path, code: str = "") -> subprocess.CompletedProcess[str]:
+    program = QGEO if not code else [sys.executable, "-c", code]
+    return subprocess.run([*program, *map(str, command)], cwd=cwd, capture_output=True, text=True, check=False)
+
+
+def test_process_succeeds(meshes: Path) -> None:
+    done = process("info", "sphere.ply", "-q", cwd=meshes)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert (meshes / "qgeo-out" / "report.html").exists()
+
+
+def test_process_needs_no_display(meshes: Path) -> None:
+    environment = {name: value for name, value in os.environ.items() if "DISPLAY" not in name}
+    command = [*QGEO, "info", "sphere.ply", "-q"]
+    done = subprocess.run(
+        command, cwd=meshes, env={**environment, "MPLBACKEND": "QtAgg"}, capture_output=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_process_fails_in_one_line(meshes: Path) -> None:
+    done = process("distances", "fan.off", cwd=meshes)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.count("\n") == 1
+    assert "edge (0, 1) has 3 faces" in done.stderr
+
+
+def test_process_interrupted_by_a_signal(meshes: Path) -> None:
+    """SIGINT in the middle of a picture."""
+    code = (
+        "import os, signal, time\n"
+        "from qgeo_filters.report import figures\n"
+        "def wait(*args):\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        "    time.sleep(60)\n"
+        "figures.plot_surface = wait\n"
+        "from qgeo_filters.cli import main\n"
+        "main()\n"
+    )
+    done = process("info", "sphere.ply", cwd=meshes, code=code)
+    assert done.returncode == 130
+    assert done.stderr == "qgeo: interrupted; what was finished is kept\n"
+    assert {path.name for path in (meshes / "qgeo-out").iterdir()} == {"result.json", "result.npz", "sphere.ply"}
