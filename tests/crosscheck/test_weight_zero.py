@@ -1,0 +1,55 @@
+"""Distances of the surface's own metric against libigl and pygeodesic."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from qgeo_filters.geodesics.matrix import distances
+
+# Both peers carry rounding of their own; pygeodesic also joins intervals shorter than 1e-6 of an edge.
+PEERS_ROUNDING = 1e-9
+
+
+def test_exact_on_all_kinds_of_surfaces(surface, foreign_exact):
+    for source in np.random.default_rng(0).choice(surface.n_vertices, 3, replace=False):
+        ours = distances(surface, [source], method="exact")[0]
+        np.testing.assert_allclose(ours, foreign_exact(surface, int(source)), rtol=PEERS_ROUNDING)
+
+
+def test_exact_on_the_cow(cow, foreign_exact):
+    for source in (0, 1234):
+        ours = distances(cow, [source], method="exact")[0]
+        np.testing.assert_allclose(ours, foreign_exact(cow, source), rtol=PEERS_ROUNDING)
+
+
+def test_exact_on_tosca(tosca, foreign_exact):
+    ours = distances(tosca, [77], method="exact")[0]
+    np.testing.assert_allclose(ours, foreign_exact(tosca, 77), rtol=PEERS_ROUNDING)
+
+
+def relative_error(surface, sources, **options):
+    """Error of the graph method relative to the exact distance, sources left out."""
+    exact = distances(surface, sources, method="exact")
+    graph = distances(surface, sources, method="graph", **options)
+    apart = exact > 0
+    return graph[apart] / exact[apart] - 1
+
+
+def test_graph_on_all_kinds_of_surfaces(surface):
+    error = relative_error(surface, np.arange(0, surface.n_vertices, 7))
+    assert error.min() > -1e-6
+    assert error.mean() < 5e-4
+    assert error.max() < 5e-3
+
+
+def test_graph_on_the_cow(cow):
+    error = relative_error(cow, np.arange(0, cow.n_vertices, 97))
+    assert error.min() > -1e-6
+    assert error.mean() < 5e-4
+
+
+def test_graph_on_tosca_is_within_a_twentieth_of_a_per_cent(tosca):
+    error = relative_error(tosca, np.arange(0, tosca.n_vertices, 97))
+    assert error.min() > -1e-6
+    assert error.mean() < 5e-4
+    assert error.max() < 5e-3
