@@ -253,6 +253,20 @@ def test_scale_of_the_mesh_does_not_matter(sphere: Surface) -> None:
         assert np.abs(one - other).max() <= 1
 
 
+def test_vertices_without_faces_do_not_change_the_picture(sphere: Surface) -> None:
+    far = np.concatenate([sphere.vertices, [[99.0, 99, 99]]])
+    np.testing.assert_array_equal(
+        render_mesh(far, sphere.faces, size=(40, 40)), render_mesh(sphere.vertices, sphere.faces, size=(40, 40))
+    )
+
+
+def test_one_triangle_and_one_seen_edge_on_are_drawn() -> None:
+    triangle = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], float)
+    assert (render_mesh(triangle, [[0, 1, 2]], size=(40, 40)) < 255).any()
+    edge_on = render_mesh(triangle, [[0, 1, 2]], view=view_from(90, 0), size=(40, 40))
+    assert (edge_on == 255).all()
+
+
 def test_bad_input_is_named(sphere: Surface) -> None:
     V, F = sphere.vertices, sphere.faces
     with pytest.raises(ValueError, match=r"values have shape \(3,\), but there are 642 vertices"):

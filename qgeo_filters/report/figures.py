@@ -73,7 +73,14 @@ def plot_scalar(
 def plot_surface(surface: Surface, *, title: str = "", view: View | None = None) -> Figure:
     """Figure of the bare surface, its boundary in red."""
     radius = 0.25 * _radius(surface)
-    glyphs = [tube(surface.vertices[np.append(loop, loop[0])], radius, MARK) for loop in surface.boundary_loops]
+    edges = {tuple(edge) for edge in surface.edges[surface.boundary_edges].tolist()}
+    glyphs = []
+    for loop in surface.boundary_loops:
+        # Of what is not manifold the boundary may be a chain that does not close.
+        closed = tuple(sorted((int(loop[0]), int(loop[-1])))) in edges
+        line = surface.vertices[np.append(loop, loop[0]) if closed else loop]
+        if np.ptp(line, axis=0).any():
+            glyphs.append(tube(line, radius, MARK))
     panel = Panel(surface, view or _view_of(surface), title, {"glyphs": glyphs})
     return panel_figure([panel], width=4.2)
 

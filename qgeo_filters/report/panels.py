@@ -52,6 +52,11 @@ class Panel:
     title: str = ""
     options: dict[str, Any] = field(default_factory=dict)
 
+    @property
+    def aspect(self) -> float:
+        """Width of the surface in the picture divided by its height."""
+        return self.view.aspect(self.surface.vertices[np.unique(self.surface.faces)])
+
 
 def new_figure(width: float, height: float) -> Figure:
     """Empty figure of that many inches on an Agg canvas: it needs no display and joins no global list."""
@@ -87,7 +92,7 @@ def panel_figure(
     columns = len(panels) if columns is None else min(columns, len(panels))
     rows = -(-len(panels) // columns)
     # One size for all: the widest picture's shape, within reason.
-    aspect = float(np.clip(max(panel.view.aspect(panel.surface.vertices) for panel in panels), 0.5, 2.2))
+    aspect = float(np.clip(max(panel.aspect for panel in panels), 0.5, 2.2))
     panel_width = min(width / columns, 5.2)
     panel_height = min(panel_width / aspect, 4.6)
     panel_width = min(panel_width, panel_height * aspect * 1.15)

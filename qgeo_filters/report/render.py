@@ -81,7 +81,7 @@ def render_mesh(
         raise ValueError("give values or colors, not both")
     view = best_view(surface.vertices, surface.faces) if view is None else view
     width, height = size[0] * supersample, size[1] * supersample
-    frame = view.fit(surface.vertices, width, height)
+    frame = view.fit(surface.vertices[np.unique(surface.faces)], width, height)
 
     solids = [surface, *(Surface(glyph.vertices, glyph.faces) for glyph in glyphs)]
     starts = np.cumsum([0, *(solid.n_vertices for solid in solids)])

@@ -106,9 +106,12 @@ def best_view(vertices: FloatArray, faces: IntArray, up: str | None = None) -> V
     ----------
     vertices : (n, 3) float64
     faces : (m, 3) int32
+        Vertices without a face do not count.
     up : {"x", "y", "z"}, optional
         Axis that points up; guessed with `upright_axis` by default.
     """
+    used, corners = np.unique(faces, return_inverse=True)
+    vertices, faces = vertices[used], corners.reshape(faces.shape).astype(np.int32)
     up = upright_axis(vertices) if up is None else up
     extent = np.ptp(vertices, axis=0)
     height = extent["xyz".index(up)]
