@@ -58,3 +58,15 @@ except MissingPackageError as error:
     print(error)
 """
     assert "pip install 'qgeo-filters[meshlab]'" in run(code)
+
+
+def test_readme_table_lists_every_attribute() -> None:
+    from conftest import ROOT
+
+    from qgeo_filters.filters.base import REGISTRY
+
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    for name, cls in REGISTRY.items():
+        if isinstance(cls.outputs, dict):
+            for attribute, meaning in cls.outputs.items():
+                assert f"| `{attribute}` | `{name}` | {meaning} |" in readme
