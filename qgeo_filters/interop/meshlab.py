@@ -1,8 +1,8 @@
 """PyMeshLab mesh sets: custom attributes of the current mesh both ways.
 
 PyMeshLab can add a custom attribute but neither list, replace nor remove one, and cannot copy a MeshSet. So a
-changed MeshSet is a new one: ``add_mesh`` copies each layer with its custom attributes, and the rest (ids, labels,
-visibility, transformation, texture image) is carried over by hand.
+changed MeshSet is a new one: ``add_mesh`` copies each layer, and the rest (custom attributes, ids, labels, visibility,
+transformation, texture image) is carried over by hand.
 """
 
 from __future__ import annotations
@@ -18,13 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.errors import MeshError, require_package
-from qgeo_filters.interop.meshlab_attributes import (
-    add_attributes,
-    custom_attributes,
-    joined,
-    split,
-)
-from qgeo_filters.interop.raw import RawMesh
+from qgeo_filters.interop.meshlab_attributes import Key, add_attributes, custom_attributes, joined, split
+from qgeo_filters.interop.raw import RawMesh, counted
 
 
 def read(mesh: Any, repair: bool) -> RawMesh:
@@ -38,7 +33,7 @@ def read(mesh: Any, repair: bool) -> RawMesh:
     layer = _layer(mesh)
     if not layer.is_compact():
         raise MeshError("the PyMeshLab mesh has deleted elements: call mesh.compact() first")
-    return RawMesh(layer.vertex_matrix(), layer.face_matrix(), joined(custom_attributes(layer)))
+    return RawMesh(layer.vertex_matrix(), layer.face_matrix(), joined(custom_attributes(layer)[0]))
 
 
 def write(mesh: Any, attributes: Mapping[str, np.ndarray]) -> Any:
@@ -46,6 +41,9 @@ def write(mesh: Any, attributes: Mapping[str, np.ndarray]) -> Any:
 
     Scalars and 3-vectors are custom attributes of these names, wider ones the scalars ``name_0``,
     ``name_1``, ... All are float64, the only type that PyMeshLab has; a bare Mesh comes back in a MeshSet.
+
+    PyMeshLab's function filters take scalars by name. The components ``name_x``, ``name_y``, ``name_z`` of a
+    point attribute are offered there too, but PyMeshLab 2025.7 reads freed memory for them: do not use them.
     """
     return _rebuilt(mesh, split(attributes), None)
 
@@ -69,48 +67,52 @@ def _layer(mesh: Any) -> Any:
 def _rebuilt(mesh: Any, attributes: Mapping[str, np.ndarray], positions: npt.NDArray[np.float64] | None) -> Any:
     pymeshlab = require_package("pymeshlab", "meshlab", "a PyMeshLab mesh")
     current = _layer(mesh)
-    layers = [current] if current is mesh else list(mesh)
+    is_set = current is not mesh
+    layers = list(mesh) if is_set else [mesh]
     rebuilt = pymeshlab.MeshSet()
+    if is_set and mesh.raster_number():
+        warnings.warn(f"the copy of the MeshSet is without its {mesh.raster_number()} raster layers", stacklevel=5)
     next_id = 0
     for layer in layers:
-        changed, holder = layer, None
-        if layer.id() == current.id():
-            holder, changed = _changed(pymeshlab, layer, attributes, positions)
-        if current is not mesh:  # a MeshSet: the layers keep their ids, also where some were deleted
-            while next_id < layer.id():
-                rebuilt.add_mesh(_placeholder(pymeshlab))
-                rebuilt.delete_current_mesh()
-                next_id += 1
-        rebuilt.add_mesh(changed, layer.label())
+        while is_set and next_id < layer.id():  # layers keep their ids, also where some were deleted
+            rebuilt.add_mesh(pymeshlab.Mesh(np.zeros((1, 3))))
+            rebuilt.delete_current_mesh()
+            next_id += 1
         next_id += 1
+        is_current = layer.id() == current.id()
+        new = {("vertex", name): values for name, values in attributes.items()} if is_current else {}
+        _add_copy(rebuilt, layer, new, positions if is_current else None)
         _carry_over(rebuilt, layer)
-        del holder  # owns `changed`
-    if current is not mesh:
+    if is_set:
         rebuilt.set_current_mesh(current.id())
     return rebuilt
 
 
-def _changed(
-    pymeshlab: Any, layer: Any, attributes: Mapping[str, np.ndarray], positions: npt.NDArray[np.float64] | None
-) -> tuple[Any, Any]:
-    """MeshSet that owns a changed copy of the layer, and the copy."""
-    holder = pymeshlab.MeshSet()
-    holder.add_mesh(layer, layer.label())
+def _add_copy(
+    rebuilt: Any, layer: Any, new: Mapping[Key, np.ndarray], positions: npt.NDArray[np.float64] | None
+) -> None:
+    """Add a copy of the layer, with more custom attributes and maybe moved, as the current mesh."""
+    pymeshlab = require_package("pymeshlab", "meshlab", "a PyMeshLab mesh")
+    own, unnamed = custom_attributes(layer)
+    if unnamed:
+        warnings.warn(
+            f"{counted(len(unnamed), 'custom attribute')} of layer {layer.label()!r} cannot be copied, because the "
+            f"name is no identifier (like {unnamed[0]!r})",
+            stacklevel=6,
+        )
+    copy = pymeshlab.MeshSet()
+    copy.add_mesh(layer, layer.label())
+    if own or unnamed:
+        # Function filters crash on custom attributes that add_mesh has copied; this filter leaves them behind.
+        copy.generate_copy_of_current_mesh()
     if positions is not None:
-        _move(pymeshlab, holder, positions)
-    existing = custom_attributes(layer)
-    replaced = [name for name in attributes if ("vertex", name) in existing]
-    if replaced:
-        # This filter's copy has no custom attributes: the only way to get rid of one.
-        holder.generate_copy_of_current_mesh()
-        kept = {key: existing[key] for key in existing if key[0] == "face" or key[1] not in replaced}
-        add_attributes(holder.current_mesh(), kept)
-    add_attributes(holder.current_mesh(), {("vertex", name): values for name, values in attributes.items()})
-    return holder, holder.current_mesh()
+        _move(pymeshlab, copy, positions)
+    rebuilt.add_mesh(copy.current_mesh(), layer.label())
+    add_attributes(rebuilt.current_mesh(), {**own, **new})
 
 
 def _move(pymeshlab: Any, holder: Any, positions: npt.NDArray[np.float64]) -> None:
-    """Move the only mesh of a MeshSet, in place, and compute its normals anew."""
+    """Move the current mesh of a MeshSet, in place, and compute its normals anew."""
     moved = holder.current_mesh_id()
     holder.add_mesh(pymeshlab.Mesh(positions, holder.current_mesh().face_matrix()))
     target = holder.current_mesh_id()
@@ -140,7 +142,7 @@ def _carry_over(rebuilt: Any, layer: Any) -> None:
         warnings.warn(
             f"layer {layer.label()!r} has {len(textures)} texture images, and PyMeshLab can attach only one: the copy "
             "keeps the texture coordinates, not the images",
-            stacklevel=2,
+            stacklevel=5,
         )
     if not layer.is_visible():
         rebuilt.set_mesh_visibility(rebuilt.current_mesh_id(), False)

@@ -22,18 +22,22 @@ _WIDE = re.compile(r"(qgeo_\w*)_(\d+)")
 _lock = threading.Lock()
 
 
-def custom_attributes(mesh: Any) -> dict[Key, np.ndarray]:
-    """Custom attributes of a mesh, (n,) for scalars and (n, 3) for points, by kind and name.
+def custom_attributes(mesh: Any) -> tuple[dict[Key, np.ndarray], list[str]]:
+    """Custom attributes of a mesh, (n,) for scalars and (n, 3) for points, and what is like the names of others.
 
-    Those whose names are no identifiers are left out: PyMeshLab does not tell their names.
+    Names that are no identifiers are the others: PyMeshLab does not tell them as they are, so that the
+    values cannot be had.
     """
-    found = {}
+    found: dict[Key, np.ndarray] = {}
+    unnamed = []
     for code, name in _listed_names(mesh):
         kind = _KINDS[code]
         getter = "scalar_attribute_array" if code.endswith("s") else "point_attribute_matrix"
-        with contextlib.suppress(_exception()):  # a listed name that is not the real one
+        try:
             found[kind, name] = np.array(getattr(mesh, f"{kind}_custom_{getter}")(name))
-    return found
+        except _exception():
+            unnamed.append(name)
+    return found, unnamed
 
 
 def add_attributes(mesh: Any, attributes: Mapping[Key, np.ndarray]) -> None:

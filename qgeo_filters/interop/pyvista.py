@@ -57,6 +57,8 @@ def pose(mesh: Any, vertices: npt.NDArray[np.float64]) -> Any:
     copy.points = vertices.astype(np.asarray(mesh.points).dtype)
     per_point, per_cell = "Normals" in copy.point_data, "Normals" in copy.cell_data
     if per_point or per_cell:
+        for data in (copy.point_data, copy.cell_data):
+            data.pop("Normals", None)  # else VTK takes them for good
         # Only the values are wanted: splitting or re-orienting would change the mesh itself.
         normals = copy.compute_normals(
             cell_normals=per_cell,

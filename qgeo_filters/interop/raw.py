@@ -62,7 +62,7 @@ def triangles(polygons: Sequence[Any] | np.ndarray, repair: bool) -> tuple[np.nd
         raise MeshError(f"face {few[0]} has {sizes[few[0]]} corners ({few.size} faces with fewer than three)")
     many = np.flatnonzero(sizes > 3)
     if not many.size:
-        return np.array(polygons).reshape(-1, 3), ()
+        return np.array(list(polygons)).reshape(-1, 3), ()
     if not repair:
         raise MeshError(
             f"face {many[0]} has {sizes[many[0]]} corners ({many.size} of {len(sizes)} faces are polygons, not "
