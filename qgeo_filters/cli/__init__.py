@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from qgeo_filters.cli.demo import demo
 from qgeo_filters.cli.errors import OneLineErrors
 from qgeo_filters.cli.geodesics import distances
 from qgeo_filters.cli.mesh import info
@@ -43,7 +44,7 @@ def qgeo(
         typer.echo(context.get_help())
 
 
-for command in (info, distances, spectrum, run):
+for command in (demo, info, distances, spectrum, run):
     app.command()(command)
 
 

@@ -96,7 +96,7 @@ class Job:
         with self.stage(f"picture {name}"):
             picture = Picture(name, draw(), caption)
             with atomic_write(self.folder / f"{name}.png") as file:
-                file.write(picture.png())
+                file.write(picture.png)
         self._pictures.append(picture)
         self.files.append(f"{name}.png")
 

@@ -6,6 +6,7 @@ import base64
 import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from html import escape
 from os import PathLike
 from typing import Any
@@ -33,6 +34,7 @@ class Picture:
     figure: Figure
     caption: str
 
+    @cached_property
     def png(self) -> bytes:
         """The figure as a PNG file."""
         buffer = io.BytesIO()
@@ -133,7 +135,7 @@ def _paragraph(text: str) -> str:
 
 
 def _picture(picture: Picture) -> str:
-    data = base64.b64encode(picture.png()).decode("ascii")
+    data = base64.b64encode(picture.png).decode("ascii")
     caption = escape(picture.caption)
     wide = ' class="wide"' if picture.figure.get_figwidth() > 5.5 else ""
     image = f'<img src="data:image/png;base64,{data}" alt="{caption}">'
