@@ -28,10 +28,9 @@ _LARGEST_MATRIX = 8 << 30  # bytes
 
 def distances(
     mesh: MeshFile,
-    source: Annotated[
-        list[int] | None,
-        typer.Option("-s", "--source", metavar="VERTEX", help="Measure from this vertex only; may be repeated."),
-    ] = None,
+    sources: Annotated[
+        str, typer.Option("-s", "--sources", metavar="VERTICES", help="Measure from these only, as 0,17,42.")
+    ] = "",
     curvature_weight: Weight = 0.0,
     scalar: Scalar = "mean_curvature",
     smoothing: Smoothing = 0.0,
@@ -56,8 +55,9 @@ def distances(
     from qgeo_filters.report.figures import plot_distance_field, plot_distance_matrix, plot_scalar
     from qgeo_filters.validation import checked_indices
 
+    chosen = _indices(sources)
     parameters = {
-        "source": source or "all",
+        "sources": chosen or "all",
         "curvature_weight": curvature_weight,
         "scalar": scalar,
         "smoothing": smoothing,
@@ -68,19 +68,19 @@ def distances(
     job = Job("distances", Settings(output, quiet, json, repair, pictures), parameters)
     surface = job.read(mesh)
     n = surface.n_vertices
-    if source:
-        checked_indices(source, n, "source")
+    if chosen:
+        checked_indices(chosen, n, "sources")
     elif 4 * n * n > _LARGEST_MATRIX:
         raise ValueError(
-            f"all pairs of {n} vertices would take {4e-9 * n * n:.0f} GB; choose vertices with --source, or write the "
+            f"all pairs of {n} vertices would take {4e-9 * n * n:.0f} GB; choose vertices with --sources, or write the "
             "matrix to disk with qgeo_filters.distance_matrix(out=...)"
         )
     with job.stage("metric"):
         metric = lifted_metric(surface, scalar, curvature_weight, smoothing=smoothing)
     field: np.ndarray
     with job.stage("distances"):
-        if source:
-            field = distances_from(surface, source, metric, method, accuracy=accuracy, progress=job.progress)
+        if chosen:
+            field = distances_from(surface, chosen, metric, method, accuracy=accuracy, progress=job.progress)
         else:
             field = distance_matrix(surface, metric, method, accuracy=accuracy, progress=job.progress)
     reached = np.isfinite(field)
@@ -90,21 +90,21 @@ def distances(
         "max": float(field[reached].max()),
         "unreachable_pairs": int((~reached).sum()),
     }
-    if source:
-        attributes = {"qgeo_distance": field[0] if len(source) == 1 else field.T}
-        arrays = {"distances": field, "sources": np.array(source)}
+    if chosen:
+        attributes = {"qgeo_distance": field[0] if len(chosen) == 1 else field.T}
+        arrays = {"distances": field, "sources": np.array(chosen)}
     else:
         centrality = np.where(reached, field, 0).sum(axis=1, dtype=np.float64) / np.maximum(reached.sum(axis=1), 1)
         attributes = {"qgeo_mean_distance": centrality}
         arrays = {"distances": field}
     job.save(results, arrays, surface.with_attributes(attributes))
-    for index, vertex in enumerate((source or [])[:6]):
+    for index, vertex in enumerate(chosen[:6]):
         job.picture(
             f"distance_{vertex}",
             f"Distance from vertex {vertex} (red), with lines of equal distance.",
             partial(plot_distance_field, surface, field[index], vertex),
         )
-    if not source:
+    if not chosen:
         job.picture(
             "distance_matrix",
             "The matrix of all distances (paper, Fig. 1), its rows in an order in which neighbours on the surface stay "
@@ -117,6 +117,14 @@ def distances(
             lambda: plot_scalar(surface, attributes["qgeo_mean_distance"], "mean distance (mesh units)"),
         )
     job.finish()
+
+
+def _indices(text: str) -> list[int]:
+    """Vertices of a list like "0,17,42"."""
+    try:
+        return [int(part) for part in text.split(",")] if text else []
+    except ValueError:
+        raise ValueError(f"--sources must be vertex numbers with commas between, as 0,17,42, got {text!r}") from None
 
 
 def path(

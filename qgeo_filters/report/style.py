@@ -38,6 +38,7 @@ th, td { text-align: left; padding: .32rem .8rem .32rem 0; border-top: 1px solid
   vertical-align: top; overflow-wrap: anywhere; }
 thead th, tr:first-child > * { border-top: 0; }
 thead + tbody tr:first-child > * { border-top: 1px solid var(--line); }
+th { overflow-wrap: break-word; }
 thead th { color: var(--faint); font-weight: 600; }
 tbody th { font-weight: 500; }
 .number { font-variant-numeric: tabular-nums; white-space: nowrap; }

@@ -59,7 +59,7 @@ def test_distances_of_all_pairs(qgeo: Qgeo, loaded: Loaded) -> None:
 
 
 def test_distances_from_sources_in_a_lifted_metric(qgeo: Qgeo, loaded: Loaded) -> None:
-    command = ("distances", "blob.off", "-s", 3, "-s", 7, "-w", 0.1, "--scalar", "curvedness", "--method", "exact")
+    command = ("distances", "blob.off", "-s", "3,7", "-w", 0.1, "--scalar", "curvedness", "--method", "exact")
     assert qgeo(*command, "-o", "out/deep").exit_code == 0
     content, arrays = loaded(Path("out/deep"))
     surface = qg.Surface.read("blob.off")

@@ -25,7 +25,7 @@ BAD = [
     (["distances", "fan.off"], "edge (0, 1) has 3 faces"),
     (["distances", "sphere.ply", "-s", "162"], "vertex 162, but there are 162 vertices"),
     (["distances", "sphere.ply", "-s", "-1"], "-1"),
-    (["distances", "sphere.ply", "-s", "x"], "--source"),
+    (["distances", "sphere.ply", "-s", "0,x"], "got '0,x'"),
     (["distances", "sphere.ply", "--method", "magic"], "magic"),
     (["distances", "sphere.ply", "--accuracy", "0"], "accuracy"),
     (["distances", "sphere.ply", "--scalar", "nonsense", "-w", "1"], "unknown scalar 'nonsense'"),
@@ -72,7 +72,7 @@ def test_too_large_a_matrix_is_refused_before_it_is_tried(qgeo: Qgeo, monkeypatc
     monkeypatch.setattr(geodesics, "_LARGEST_MATRIX", 1000)
     result = qgeo("distances", "sphere.ply")
     assert result.exit_code == 2
-    assert "--source" in result.stderr
+    assert "--sources" in result.stderr
 
 
 def test_debug_shows_the_traceback(qgeo: Qgeo) -> None:
