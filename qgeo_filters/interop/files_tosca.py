@@ -61,10 +61,12 @@ def write_mat(path: Path, surface: Surface) -> None:
 
 
 def _table(path: Path, dtype: type) -> np.ndarray:
+    if path.stat().st_size == 0:
+        raise MeshError(f"{path.name} is empty")
     try:
         table: np.ndarray = np.loadtxt(path, dtype=dtype, ndmin=2)
     except ValueError as error:
         raise MeshError(f"{path.name} is no table of numbers ({error})") from error
-    if table.size and table.shape[1] != 3:
+    if table.shape[1] != 3:
         raise MeshError(f"{path.name} has {table.shape[1]} columns, expected 3")
-    return table.reshape(-1, 3)
+    return table

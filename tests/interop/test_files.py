@@ -220,7 +220,11 @@ def test_broken_files_are_named_with_the_reason_on_one_line(tmp_path, name, capf
 
 def test_broken_tables(tmp_path):
     wrote(tmp_path, "a.vert", "0 0 0\n1 0 0\n0 1 0\n")
-    for text, message in (("1 2\n", "a.tri has 2 columns, expected 3"), ("1 2 x\n", "a.tri is no table of numbers")):
+    for text, message in (
+        ("", "a.tri is empty"),
+        ("1 2\n", "a.tri has 2 columns, expected 3"),
+        ("1 2 x\n", "a.tri is no table of numbers"),
+    ):
         wrote(tmp_path, "a.tri", text)
         with pytest.raises(MeshError, match=message):
             read_surface(tmp_path / "a.vert")
