@@ -7,11 +7,11 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True)
-def _spread(start, neighbour, group, g, source, order, mark, stamp):  # type: ignore[no-untyped-def]
-    """Breadth-first order of the part of group g that is connected with the source; its size."""
-    order[0] = source
+def _spread(start, neighbour, group, g, source, order, first, mark, stamp):  # type: ignore[no-untyped-def]
+    """Breadth-first order of what group g connects with the source into ``order[first:]``; where it ends."""
+    order[first] = source
     mark[source] = stamp
-    head, tail = 0, 1
+    head, tail = first, first + 1
     while head < tail:
         v = order[head]
         head += 1
@@ -24,37 +24,41 @@ def _spread(start, neighbour, group, g, source, order, mark, stamp):  # type: ig
     return tail
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def compact_order(start, neighbour, leaf):  # type: ignore[no-untyped-def]
     """Permutation of the vertices by recursive bisection of the mesh into pieces of at most ``leaf`` vertices.
 
-    A piece is cut in breadth-first order from one of its far ends; what is not connected with that end comes last.
+    A piece is cut in breadth-first order from one of its far ends; what is not connected with that end
+    comes last. Pieces are runs of the permutation whose first place is a multiple of ``leaf``.
     """
     n = len(start) - 1
-    order = np.arange(n).astype(np.int32)
-    group = np.zeros(n, np.int32)
-    mark = np.full(n, -1, np.int32)
-    scratch = np.empty(n, np.int32)
-    stack = [(0, n)]
-    groups = stamp = 0
-    while len(stack) > 0:
-        first, last = stack.pop()
+    order, reached = np.empty(n, np.int32), np.empty(n, np.int32)
+    group, mark = np.zeros(n, np.int32), np.full(n, -1, np.int32)
+    for v in range(n):
+        order[v] = v
+    stack = np.empty((128, 2), np.int64)  # deeper than any bisection
+    stack[0, 0], stack[0, 1] = 0, n
+    depth, groups = 1, 0
+    while depth > 0:
+        depth -= 1
+        first, last = stack[depth, 0], stack[depth, 1]
         groups += 1
         for i in range(first, last):
             group[order[i]] = groups
-        # From the far end of the first vertex's part, then the other parts in turn.
-        reached = _spread(start, neighbour, group, groups, order[first], scratch, mark, stamp)
-        stamp += 1
-        filled = _spread(start, neighbour, group, groups, scratch[reached - 1], scratch, mark, stamp)
+        end = _spread(start, neighbour, group, groups, order[first], reached, first, mark, 2 * groups)
+        stamp = 2 * groups + 1
+        source, end = reached[end - 1], first
+        i = first
+        while end < last:
+            end = _spread(start, neighbour, group, groups, source, reached, end, mark, stamp)
+            while end < last and mark[order[i]] == stamp:
+                i += 1
+            source = order[i]
         for i in range(first, last):
-            v = order[i]
-            if mark[v] != stamp:
-                filled += _spread(start, neighbour, group, groups, v, scratch[filled:], mark, stamp)
-        stamp += 1
-        order[first:last] = scratch[: last - first]
+            order[i] = reached[i]
         if last - first > leaf:
-            # Whole leaves on the left, so that leaves are consecutive runs of the final order.
             half = first + leaf * ((last - first + 2 * leaf - 1) // (2 * leaf))
-            stack.append((half, last))
-            stack.append((first, half))
+            stack[depth, 0], stack[depth, 1] = half, last
+            stack[depth + 1, 0], stack[depth + 1, 1] = first, half
+            depth += 2
     return order

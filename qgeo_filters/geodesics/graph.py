@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
 from scipy.sparse.csgraph import connected_components, dijkstra
 
+from qgeo_filters.geodesics.bands import band_order
 from qgeo_filters.geodesics.clusters import compact_order
 from qgeo_filters.geodesics.edges import mesh_edges
-from qgeo_filters.geodesics.lanes import LANES
+from qgeo_filters.geodesics.lanes import LANES, aligned_block
 from qgeo_filters.geodesics.layout import layout_of
-from qgeo_filters.geodesics.metric import IntrinsicMesh
+from qgeo_filters.geodesics.metric import IntrinsicMesh, LiftedMetric, cartesian_metric
 from qgeo_filters.geodesics.rows import merged, transposed
-from qgeo_filters.geodesics.sweeps import solve
+from qgeo_filters.geodesics.sweeps import relax, write_rows
 from qgeo_filters.geodesics.windows import look_from
+from qgeo_filters.surface import Surface
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
@@ -81,10 +84,20 @@ class GeodesicGraph:
 
         Sources that follow each other should be close together: so are `vertex`'s.
         """
-        solve(
-            self.start, self.neighbour, self.length, self.mesh_start, self.mesh_neighbour, self.mesh_length,
-            self.band, self.n_bands, self.unreached, self.place, self.tick, self.place[sources], out, rows,
-        )  # fmt: skip
+        n = self.n_vertices
+        block = aligned_block(n, self.length.dtype)
+        order, distance, awake = np.empty(n, np.int32), np.empty(n), np.empty(n, np.bool_)
+        head, following = np.empty(self.n_bands + 1, np.int32), np.empty(len(self.mesh_neighbour), np.int32)
+        for first in range(0, len(sources), LANES):
+            part = self.place[sources[first : first + LANES]]
+            block.fill(self.unreached)
+            block[part, np.arange(len(part))] = 0
+            count = band_order(
+                self.mesh_start, self.mesh_neighbour, self.mesh_length, self.band, part,
+                order, distance, awake, head, following,
+            )  # fmt: skip
+            relax(self.start, self.neighbour, self.length, order[:count], block, awake)
+            write_rows(block, self.unreached, self.place, self.tick, out, rows[first : first + LANES])
 
 
 def geodesic_graph(mesh: IntrinsicMesh, accuracy: float = 1e-3, *, workers: int = 1) -> GeodesicGraph:
@@ -127,6 +140,20 @@ def geodesic_graph(mesh: IntrinsicMesh, accuracy: float = 1e-3, *, workers: int 
         vertex, place, start, neighbour, length,
         mesh_rows.indptr, mesh_rows.indices, mesh_rows.data, band, n_bands, tick, unreached, accuracy,
     )  # fmt: skip
+
+
+# The last graph of each metric, or of each surface for its own metric: both are immutable.
+_kept: WeakKeyDictionary[LiftedMetric | Surface, GeodesicGraph] = WeakKeyDictionary()
+
+
+def graph_of(surface: Surface, metric: LiftedMetric | None, accuracy: float, workers: int) -> GeodesicGraph:
+    """Graph of a metric, None for the surface's own, kept for as long as the metric or surface lives."""
+    key = surface if metric is None else metric
+    graph = _kept.get(key)
+    if graph is None or graph.accuracy != accuracy:
+        mesh = (metric if metric is not None else cartesian_metric(surface)).intrinsic()
+        graph = _kept[key] = geodesic_graph(mesh, accuracy, workers=workers)
+    return graph
 
 
 def _look(

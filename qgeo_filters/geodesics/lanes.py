@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from llvmlite import ir
 import numpy as np
-from numba import njit, types
+from llvmlite import ir
+from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
@@ -18,7 +18,7 @@ LANES = 16
 
 
 @intrinsic
-def pull(typingctx, block, t, start, neighbour, length):  # type: ignore[no-untyped-def]
+def _pull(typingctx, block, t, start, neighbour, length):  # type: ignore[no-untyped-def]
     """Lower row t of the block (n, 16) by ``block[neighbour[e]] + length[e]``, e over its edges; whether a lane fell.
 
     The block is C-contiguous; `start`, `neighbour` (int32) and `length` (the block's dtype) are the graph's rows.
@@ -69,9 +69,13 @@ def pull(typingctx, block, t, start, neighbour, length):  # type: ignore[no-unty
     return types.boolean(block, t, start, neighbour, length), codegen
 
 
-@njit(cache=True, nogil=True)
-def aligned_block(n, like):  # type: ignore[no-untyped-def]
-    """Uninitialised block (n, 16) of the dtype of ``like`` whose rows do not straddle cache lines."""
-    flat = np.empty((n + 1) * LANES, like.dtype)
-    skip = (-flat.ctypes.data % 64) // flat.itemsize
-    return flat[skip : skip + n * LANES].reshape(n, LANES)
+# To a type checker, an intrinsic still has the typing context for a first argument.
+pull: Any = _pull
+
+
+def aligned_block(n: int, dtype: np.dtype) -> np.ndarray:
+    """Uninitialised block (n, 16) whose rows do not straddle cache lines."""
+    size = n * LANES * dtype.itemsize
+    raw = np.empty(size + 64, np.uint8)
+    skip = -raw.ctypes.data % 64
+    return raw[skip : skip + size].view(dtype).reshape(n, LANES)

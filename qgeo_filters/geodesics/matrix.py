@@ -1,25 +1,24 @@
-"""All-pairs and many-source geodesic distances: the descriptor matrix D of the paper."""
+"""Geodesic distances from many vertices or between all: the descriptor matrix D_g of the paper."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from tqdm import tqdm
 
+from qgeo_filters.errors import MeshError
 from qgeo_filters.geodesics.edges import edge_distances
-from qgeo_filters.geodesics.graph import geodesic_graph
+from qgeo_filters.geodesics.graph import GeodesicGraph, graph_of
 from qgeo_filters.geodesics.metric import IntrinsicMesh, LiftedMetric, cartesian_metric
+from qgeo_filters.geodesics.tasks import GROUP, run_tasks, worker_count
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices
 
 FloatArray = npt.NDArray[np.float64]
 
-# Sources of one task, a few blocks of lanes.
-GROUP = 64
 METHODS = ("graph", "exact", "edges")
 
 
@@ -44,12 +43,12 @@ def distances(
     metric : LiftedMetric, optional
         None is the surface's own metric.
     method : {"graph", "exact", "edges"}
-        Shortest paths in the discrete geodesic graph (near-exact, fastest), exact window propagation, or
-        Dijkstra along edges (for comparison: several per cent too long).
+        Shortest paths in the discrete geodesic graph (near-exact and by far the fastest), exact window
+        propagation, or Dijkstra along edges (for comparison: several per cent too long).
     accuracy : float
-        Bound on the relative error of the graph method; its mean error is about an eighth of it.
+        Bound on the relative error of the graph method; its mean error is about a tenth of it.
     workers : int, optional
-        Threads; all cores by default. The result does not depend on it.
+        Threads; all cores by default. The result does not depend on it, bit for bit.
     progress : bool
         Show a progress bar.
 
@@ -63,31 +62,37 @@ def distances(
     NonManifoldError
         Three faces on an edge, or several fans at a vertex.
     ValueError
-        Unknown method, source out of range, accuracy out of range.
+        Unknown method, source out of range, accuracy out of range, the metric of another surface.
+
+    Notes
+    -----
+    The graph is kept for as long as the metric (or the surface) lives, so that a second call is quick.
 
     References
     ----------
-    Wang, Fang, Xin, He, et al., "Discrete geodesic graph (DGG) for computing geodesic distances on discrete surfaces", CAGD 52, 2017.
+    Wang, Fang, Xin, He, et al., "Discrete geodesic graph (DGG) for computing geodesic distances on discrete
+    surfaces", Computer Aided Geometric Design 52-53, 2017.
     """
-    mesh = _checked(surface, metric, method)
+    _check(surface, metric, method)
     chosen = checked_indices(sources, surface.n_vertices, "sources")
-    if method == "exact":
-        from qgeo_filters.geodesics.exact import exact_distances
+    threads = worker_count(workers)
+    if method == "graph":
+        graph = graph_of(surface, metric, accuracy, threads)
+        result = np.empty((len(chosen), graph.n_vertices))
+        together = np.argsort(graph.place[chosen], kind="stable")
 
-        return exact_distances(mesh, chosen, workers=workers, progress=progress)
+        def task(first: int) -> None:
+            part = together[first : first + GROUP]
+            graph.distances_into(result, part, chosen[part])
+
+        run_tasks(task, range(0, len(chosen), GROUP), threads, progress)
+        return result
+    mesh = _mesh(surface, metric)
     if method == "edges":
         return edge_distances(mesh, chosen)
-    threads = worker_count(workers)
-    graph = geodesic_graph(mesh, accuracy, workers=threads)
-    result = np.empty((len(chosen), graph.n_vertices))
-    together = np.argsort(graph.place[chosen], kind="stable")
-    parts = [together[i : i + GROUP] for i in range(0, len(chosen), GROUP)]
+    from qgeo_filters.geodesics.exact import exact_distances
 
-    def task(part: npt.NDArray[np.int64]) -> None:
-        graph.distances_into(result, part, chosen[part])
-
-    run_blocks(task, parts, threads, progress)
-    return result
+    return exact_distances(mesh, chosen, workers=threads, progress=progress)
 
 
 def distance_matrix(
@@ -99,7 +104,7 @@ def distance_matrix(
     out: str | os.PathLike[str] | None = None,
     workers: int | None = None,
     progress: bool = False,
-) -> npt.NDArray[np.float32]:
+) -> Any:
     """Geodesic distances between all pairs of vertices, shape (n, n), symmetric with a zero diagonal.
 
     Parameters
@@ -107,64 +112,73 @@ def distance_matrix(
     surface, metric, method, accuracy, workers, progress
         As in `distances`.
     out : path, optional
-        Write to a chunked Zarr array there, block by block, and return that array: for what does not fit in memory. Resumes
-        where an earlier call was interrupted.
+        Write the matrix there as a Zarr array, row by row, instead of into memory. An interrupted or killed
+        call is continued by the same call: rows already there are not computed again. Needs the package zarr.
 
     Returns
     -------
-    (n, n) float32
+    (n, n) float32 array, or zarr.Array where ``out`` is given
         In the unit of the vertices; ``inf`` between pieces of the surface and to vertices without faces.
 
     Raises
     ------
     NonManifoldError, ValueError
-        As in `distances`.
+        As in `distances`; distances that float32 cannot hold.
+    ValueError
+        ``out`` is there and is no such array, or that of another mesh, metric or accuracy.
+    OSError
+        ``out`` cannot be written, or the disk is full; what was written stays usable.
     """
-    n = surface.n_vertices
-    if out is not None:
-        raise NotImplementedError("distance_matrix(out=...) is being written")
-    if method != "graph":
-        rows = distances(surface, np.arange(n), metric, method, workers=workers, progress=progress)
-        matrix = rows.astype(np.float32)
-        return np.minimum(matrix, matrix.T)
-    mesh = _checked(surface, metric, method)
+    _check(surface, metric, method)
     threads = worker_count(workers)
-    graph = geodesic_graph(mesh, accuracy, workers=threads)
+    n = surface.n_vertices
+    extent = float((metric.edge_lengths if metric is not None else surface.edge_lengths).sum())
+    if extent and not 1e-30 < extent < 1e35:
+        raise MeshError(f"edges of {extent:g} units in total: float32 does not hold such distances; rescale the mesh")
+    if out is not None:
+        if method != "graph":
+            raise ValueError(f"out= is written by the graph method only, not by {method!r}")
+        from qgeo_filters.geodesics.storage import stored_matrix
+
+        mesh = _mesh(surface, metric)
+        return stored_matrix(
+            Path(out), mesh, lambda: graph_of(surface, metric, accuracy, threads), accuracy, threads, progress
+        )
     matrix = np.empty((n, n), np.float32)
+    if method == "graph":
+        graph: GeodesicGraph = graph_of(surface, metric, accuracy, threads)
 
-    def task(first: int) -> None:
-        sources = graph.vertex[first : first + GROUP].astype(np.int64)
-        graph.distances_into(matrix, sources, sources)
+        def task(first: int) -> None:
+            sources = graph.vertex[first : first + GROUP].astype(np.int64)
+            graph.distances_into(matrix, sources, sources)
 
-    run_blocks(task, range(0, n, GROUP), threads, progress)
+        run_tasks(task, range(0, n, GROUP), threads, progress)
+        return matrix
+    for first in range(0, n, 1024):
+        some = np.arange(first, min(first + 1024, n))
+        matrix[some] = distances(surface, some, metric, method, workers=threads, progress=progress)
+    _symmetrise(matrix)
     return matrix
 
 
-def worker_count(workers: int | None) -> int:
-    """Number of threads asked for, or the cores that this process may use."""
-    if workers is None:
-        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if workers < 1:
-        raise ValueError(f"workers must be at least 1, got {workers}")
-    return workers
+def _mesh(surface: Surface, metric: LiftedMetric | None) -> IntrinsicMesh:
+    return (metric if metric is not None else cartesian_metric(surface)).intrinsic()
 
 
-def run_blocks(task: Callable, parts: list | range, workers: int, progress: bool) -> None:
-    """Call the task on every part, in threads, under a progress bar; an interruption drops what has not begun."""
-    with tqdm(total=len(parts), disable=not progress, unit="block", desc="geodesics") as bar:
-        pool = ThreadPoolExecutor(workers)
-        try:
-            for _ in pool.map(task, parts):
-                bar.update()
-        finally:
-            pool.shutdown(cancel_futures=True)
-
-
-def _checked(surface: Surface, metric: LiftedMetric | None, method: str) -> IntrinsicMesh:
+def _check(surface: Surface, metric: LiftedMetric | None, method: str) -> None:
     if method not in METHODS:
         raise ValueError(f"method must be one of {', '.join(map(repr, METHODS))}, got {method!r}")
-    if metric is not None and metric.surface.n_vertices != surface.n_vertices:
+    if metric is not None and metric.surface is not surface and metric.surface.n_vertices != surface.n_vertices:
         raise ValueError(
-            f"the metric belongs to a surface of {metric.surface.n_vertices} vertices, this one has {surface.n_vertices}"
+            f"the metric belongs to a surface of {metric.surface.n_vertices} vertices, "
+            f"this one has {surface.n_vertices}"
         )
-    return (metric or cartesian_metric(surface)).intrinsic()
+
+
+def _symmetrise(matrix: npt.NDArray[np.float32], size: int = 512) -> None:
+    """Put the smaller of both directions into either, in place: they differ by rounding only."""
+    for i in range(0, len(matrix), size):
+        for j in range(0, i + 1, size):
+            lower, upper = matrix[i : i + size, j : j + size], matrix[j : j + size, i : i + size]
+            least = np.minimum(lower, upper.T)
+            lower[...], upper[...] = least, least.T

@@ -12,8 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from qgeo_filters.geodesics.bands import band_order
-from qgeo_filters.geodesics.lanes import LANES, aligned_block, pull
+from qgeo_filters.geodesics.lanes import pull
 
 
 @njit(cache=True, nogil=True)
@@ -38,23 +37,10 @@ def relax(start, neighbour, length, order, block, awake):  # type: ignore[no-unt
 
 
 @njit(cache=True, nogil=True)
-def solve(start, neighbour, length, mesh_start, mesh_neighbour, mesh_length, width, bands, unreached, place, tick, sources, out, rows):  # type: ignore[no-untyped-def]  # fmt: skip
-    """Distances from some places, a few blocks of 16, to all vertices, into the given rows of ``out`` (., n)."""
-    n = len(place)
-    block = aligned_block(n, length)
-    order, distance, awake = np.empty(n, np.int32), np.empty(n), np.empty(n, np.bool_)
-    head, following = np.empty(bands + 1, np.int32), np.empty(len(mesh_neighbour), np.int32)
-    for first in range(0, len(sources), LANES):
-        part = sources[first : first + LANES]
-        block[:] = unreached
-        for k in range(LANES):
-            block[part[min(k, len(part) - 1)], k] = 0
-        count = band_order(
-            mesh_start, mesh_neighbour, mesh_length, width, part, order, distance, awake, head, following
-        )
-        relax(start, neighbour, length, order[:count], block, awake)
-        for v in range(n):
-            p = place[v]
-            for k in range(len(part)):
-                value = block[p, k]
-                out[rows[first + k], v] = value * tick if value < unreached else np.inf
+def write_rows(block, unreached, place, tick, out, rows):  # type: ignore[no-untyped-def]
+    """Columns of a block as lengths into the given rows of ``out`` (., n), in the order of the vertices."""
+    for v in range(len(place)):
+        p = place[v]
+        for k in range(len(rows)):
+            value = block[p, k]
+            out[rows[k], v] = value * tick if value < unreached else np.inf

@@ -114,8 +114,8 @@ def look(start, length, apex_x, apex_y, twin, corners, epsilon, limit, queue, si
         p = (queue[slot, 8], queue[slot, 9], queue[slot, 10], queue[slot, 11])
         q = (queue[slot, 12], queue[slot, 13], queue[slot, 14], queue[slot, 15])
         head += 1
-        # Third vertex of the triangle entered, and its other two sides. Neighbours may disagree on orientation: which hand
-        # the start of a side is on is kept with the side.
+        # Third vertex of the triangle entered, and its other two sides. Neighbours may disagree on
+        # orientation: on which hand a side starts is kept with the side.
         start_on_left = side & 1
         following = h + 1 if h % 3 < 2 else h - 2
         previous = h - 1 if h % 3 > 0 else h + 2

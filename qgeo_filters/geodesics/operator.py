@@ -1,0 +1,80 @@
+"""The distance matrix as an operator that is never stored."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.sparse.linalg import LinearOperator
+
+from qgeo_filters.geodesics.graph import graph_of
+from qgeo_filters.geodesics.metric import LiftedMetric
+from qgeo_filters.geodesics.tasks import GROUP, run_tasks, worker_count
+from qgeo_filters.surface import Surface
+
+
+class DistanceOperator(LinearOperator):
+    """Symmetric linear operator v -> D v, D the (n, n) matrix of geodesic distances, in O(n) memory.
+
+    Every product computes the rows of D afresh, a group of sources at a time: take the products of many
+    vectors in one call (``operator @ X``, as block methods do), they cost hardly more than one.
+
+    Parameters
+    ----------
+    surface : Surface
+        Manifold and in one piece.
+    metric : LiftedMetric, optional
+        None is the surface's own metric.
+    accuracy : float
+        Bound on the relative error of each entry.
+    workers : int, optional
+        Threads; all cores by default.
+    progress : bool
+        Show a progress bar for every product.
+
+    Raises
+    ------
+    DisconnectedError
+        A mesh in several pieces, or vertices without faces: their distances are infinite, and products not defined.
+    NonManifoldError
+        Three faces on an edge, or several fans at a vertex.
+    """
+
+    def __init__(
+        self,
+        surface: Surface,
+        metric: LiftedMetric | None = None,
+        *,
+        accuracy: float = 1e-3,
+        workers: int | None = None,
+        progress: bool = False,
+    ) -> None:
+        surface.require_connected("the distance operator")
+        self.workers = worker_count(workers)
+        self.progress = progress
+        self.graph = graph_of(surface, metric, accuracy, self.workers)
+        super().__init__(np.dtype(np.float64), (surface.n_vertices, surface.n_vertices))  # type: ignore[call-arg]
+
+    def _matmat(self, x: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        x = np.asarray(x)
+        n = self.graph.n_vertices
+        product = np.empty((n, x.shape[1]), np.result_type(x.dtype, np.float64))
+
+        def task(first: int) -> None:
+            sources = self.graph.vertex[first : first + GROUP].astype(np.int64)
+            rows = np.empty((len(sources), n))
+            self.graph.distances_into(rows, np.arange(len(sources)), sources)
+            product[sources] = rows @ x
+
+        run_tasks(task, range(0, n, GROUP), self.workers, self.progress)
+        return product
+
+    def _matvec(self, x: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        return self._matmat(np.reshape(x, (-1, 1))).ravel()
+
+    def _adjoint(self) -> Any:
+        return self
+
+    def _transpose(self) -> Any:
+        return self
