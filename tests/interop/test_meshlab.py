@@ -191,9 +191,10 @@ def test_pose_keeps_everything_but_positions_and_normals(meshes):
     assert_content(out.current_mesh(), expected, but=["vertex_matrix", "vertex_normal_matrix"])
     assert [layer.id() for layer in out] == [0, 2, 3]
     assert_content(meshes.current_mesh(), expected)
-    turned = with_vertices(meshes, VERTICES[:, [1, 2, 0]]).current_mesh().vertex_normal_matrix()
-    fresh = with_vertices(meshes, VERTICES).current_mesh().vertex_normal_matrix()
-    np.testing.assert_allclose(turned, fresh[:, [1, 2, 0]], atol=1e-12)
+    posed, fresh = with_vertices(meshes, VERTICES[:, [1, 2, 0]]), with_vertices(meshes, VERTICES)
+    turned_normals = posed.current_mesh().vertex_normal_matrix()  # a mesh does not outlive its set: keep both
+    fresh_normals = fresh.current_mesh().vertex_normal_matrix()
+    np.testing.assert_allclose(turned_normals, fresh_normals[:, [1, 2, 0]], atol=1e-12)
 
 
 def test_numbered_names_of_the_user_are_left_alone(meshes):
