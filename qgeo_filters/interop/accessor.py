@@ -14,6 +14,9 @@ from typing import Any
 
 import pyvista
 
+import qgeo_filters
+from qgeo_filters.filters.base import Filter
+from qgeo_filters.interop import as_surface
 from qgeo_filters.surface import Surface
 
 
@@ -31,8 +34,6 @@ class QgeoAccessor:
     @property
     def surface(self) -> Surface:
         """The mesh as a `Surface`, for the functions that take and give arrays."""
-        from qgeo_filters.interop import as_surface
-
         return as_surface(self._mesh)
 
     def apply(
@@ -42,8 +43,10 @@ class QgeoAccessor:
         return filter(self._mesh, repair=repair, progress=progress)
 
     def __getattr__(self, name: str) -> Callable[..., pyvista.PolyData]:
-        filter_class = None if name.startswith("_") else _filters().get(name)
+        filter_class = _filter(name)
         if filter_class is None:
+            if name.startswith("_"):
+                raise AttributeError(name)
             raise AttributeError(f"mesh.qgeo has no filter {name!r}; it has {', '.join(_filters())}")
 
         def method(*, repair: bool = False, progress: bool = False, **parameters: Any) -> pyvista.PolyData:
@@ -57,15 +60,20 @@ class QgeoAccessor:
         return ["apply", "surface", *_filters()]
 
 
-def _filters() -> dict[str, type]:
-    """Public filters by method name."""
-    import qgeo_filters
-    from qgeo_filters.filters.base import Filter
+def _filters() -> list[str]:
+    """Method names of all public filters."""
+    return [name for name in map(_method_name, qgeo_filters.__all__) if _filter(name) is not None]
 
-    classes = {}
-    for name in qgeo_filters.__all__:
-        # Functions and modules of the package are in lower case, exceptions and results are no filters.
-        value = getattr(qgeo_filters, name) if name[0].isupper() else None
-        if inspect.isclass(value) and issubclass(value, Filter) and name not in ("Filter", "Pipeline"):
-            classes[re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()] = value
-    return classes
+
+def _filter(name: str) -> type | None:
+    """Public filter of this method name; only its own module is loaded."""
+    for public in qgeo_filters.__all__:
+        # Functions and modules of the package are in lower case already; exceptions and results are no filters.
+        if public[0].isupper() and _method_name(public) == name and public not in ("Filter", "Pipeline"):
+            value = getattr(qgeo_filters, public)
+            return value if inspect.isclass(value) and issubclass(value, Filter) else None
+    return None
+
+
+def _method_name(class_name: str) -> str:
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", class_name).lower()
