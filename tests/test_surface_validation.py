@@ -1,0 +1,143 @@
+"""Surface: what it refuses, and that neither it nor its input ever changes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from shapes import bow_tie, fan, icosphere
+
+from qgeo_filters.errors import DisconnectedError, MeshError, NonManifoldError
+from qgeo_filters.surface import Surface
+
+# -- immutability -------------------------------------------------------------------------------------
+
+DERIVED = [
+    "vertices",
+    "faces",
+    "edge_lengths",
+    "face_areas",
+    "vertex_areas",
+    "face_normals",
+    "corner_angles",
+    "vertex_normals",
+    "edges",
+    "face_edges",
+    "twins",
+    "unreferenced_vertices",
+    "boundary_edges",
+    "nonmanifold_edges",
+    "nonmanifold_vertices",
+]
+
+
+@pytest.mark.parametrize("name", DERIVED)
+def test_arrays_are_read_only(name):
+    array = getattr(Surface(*icosphere(1)), name)
+    with pytest.raises(ValueError, match="read-only"):
+        array[...] = 0
+
+
+def test_input_is_copied():
+    v, f = icosphere(1)
+    a = np.zeros(len(v))
+    surface = Surface(v, f, {"a": a})
+    before = surface.vertices.copy()
+    v += 1
+    f[:] = 0
+    a += 1
+    np.testing.assert_array_equal(surface.vertices, before)
+    assert surface.faces.any()
+    assert not surface.attributes["a"].any()
+    with pytest.raises(TypeError):
+        surface.attributes["b"] = a
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    vertex_dtype=st.sampled_from(["f4", "f8", ">f8", "f2", "i4", "i8"]),
+    face_dtype=st.sampled_from(["i4", "i8", "u2", "u4", "u8", ">i4", "f4", "f8"]),
+    fortran=st.booleans(),
+    read_only=st.booleans(),
+    strided=st.booleans(),
+    as_list=st.booleans(),
+)
+def test_any_dtype_order_and_flag_gives_the_same_surface(
+    vertex_dtype, face_dtype, fortran, read_only, strided, as_list
+):
+    v = np.array([[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]])
+    f = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    arrays = []
+    for values, dtype in ((v, vertex_dtype), (f, face_dtype)):
+        array = np.array(values, dtype=dtype, order="F" if fortran else "C")
+        if strided:
+            array = np.repeat(array, 2, axis=0)[::2]
+        array.setflags(write=not read_only)
+        arrays.append(array.tolist() if as_list else array)
+    surface = Surface(*arrays)
+    assert surface.vertices.dtype == np.float64
+    assert surface.faces.dtype == np.int32
+    assert surface.vertices.flags.c_contiguous
+    assert surface.faces.flags.c_contiguous
+    np.testing.assert_array_equal(surface.vertices, v)
+    np.testing.assert_array_equal(surface.faces, f)
+    assert surface.genus == 0
+
+
+# -- validation ---------------------------------------------------------------------------------------
+
+V, F = icosphere(1)
+
+
+def changed(array, index, value, dtype=None):
+    array = np.array(array, dtype=dtype)
+    array[index] = value
+    return array
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "message"),
+    [
+        (np.empty((0, 3)), F, "the mesh has no vertices"),
+        (V, np.empty((0, 3), int), "the mesh has no faces"),
+        (V[:, :2], F, r"vertices must have shape \(n, 3\), got \(42, 2\)"),
+        (V.ravel(), F, r"vertices must have shape \(n, 3\), got \(126,\)"),
+        (V, F[:, :2], r"faces must have shape \(m, 3\), got \(80, 2\)$"),
+        (V, np.zeros((5, 4), int), r"got \(5, 4\) \(quadrilaterals\? triangulate the mesh first\)"),
+        (changed(V, 17, np.nan), F, r"vertices\[17\] is \[nan, nan, nan\]: .* finite \(1 such vertex\)"),
+        (changed(V, (slice(3, 5), 1), np.inf), F, r"vertices\[3\] .* finite \(2 such vertices\)"),
+        (V * 1e101, F, "units wide"),
+        (V * 1e-101, F, "units wide"),
+        (V, changed(F, (9, 1), 42), r"faces\[9\] refers to vertex 42, but there are 42 vertices.*\(1 such face\)"),
+        (V, changed(F, (slice(4, 6), 0), -1), r"faces\[4\] refers to vertex -1, .*\(2 such faces\)"),
+        (V, changed(F, (0, 0), 2**40, np.int64), r"refers to vertex 1099511627776"),
+        (V, changed(F, (3, 0), F[3, 1]), r"faces\[3\] = .* names a vertex twice \(1 such face\).*repair=True"),
+        (V, changed(F, (0, 0), 0.5, float), "faces must hold whole numbers, got dtype float64"),
+        (V, changed(F, (0, 0), np.nan, float), "faces must hold whole numbers"),
+        (V, F > 3, "faces must hold whole numbers, got dtype bool"),
+    ],
+)
+def test_bad_arrays_are_named(vertices, faces, message):
+    with pytest.raises(MeshError, match=message):
+        Surface(vertices, faces)
+
+
+@pytest.mark.parametrize("values", [np.zeros(41), np.zeros((3, 42)), 3.0])
+def test_attribute_of_wrong_length_is_named(values):
+    with pytest.raises(MeshError, match=r"attribute 'a' has shape .*, but there are 42 vertices"):
+        Surface(V, F, {"a": values})
+
+
+def test_requirements_name_the_offender():
+    with pytest.raises(NonManifoldError, match=r"X needs .* edge \(0, 1\) has 3 faces \(1 such edge\); repair=True"):
+        Surface(*fan()).require_manifold("X")
+    with pytest.raises(NonManifoldError, match=r"X needs .* vertex 0 form more than one fan \(1 such vertex: 0\)"):
+        Surface(*bow_tie()).require_manifold("X")
+    with pytest.raises(DisconnectedError, match=r"X needs .* 2 pieces of 162, 42 vertices;"):
+        v, f = icosphere(2)
+        Surface(np.vstack([v, V + 5]), np.vstack([f, F + len(v)])).require_connected("X")
+    with pytest.raises(DisconnectedError, match=r"1 of them single vertices without faces \(42\)"):
+        Surface(np.vstack([V, [[9, 9, 9]]]), F).require_connected("X")
+    Surface(V, F).require_manifold("X")
+    Surface(V, F).require_connected("X")
