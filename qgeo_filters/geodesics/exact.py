@@ -54,7 +54,7 @@ def exact_distances(
     distances = np.empty((len(indices), mesh.n_vertices))
 
     def fill(row: int) -> None:
-        propagate(indices[row], flat, distances[row])
+        propagate(indices[row], -1, flat, distances[row])
 
     n_workers = max(1, min(workers or os.cpu_count() or 1, len(indices)))
     with (

@@ -39,7 +39,7 @@ def _note(v: int, value: float, distance: FloatArray, queue: IndexedHeap, mesh: 
 
 
 @kernel
-def _apex_distance(near: float, split: float, sx: float, sy: float, sigma: float, cx: float, cy: float) -> float:
+def apex_distance(near: float, split: float, sx: float, sy: float, sigma: float, cx: float, cy: float) -> float:
     """Distance of the apex (cx, cy) by way of abscissa ``near``, straight if that is ``split``."""
     if near == split:
         return distance_at(cx, sx, sy + cy, sigma)
@@ -155,7 +155,7 @@ def _cross_face(h: int, distance: FloatArray, queue: IndexedHeap, pool: Pool, me
         split = sx + sy * ((cx - sx) / (sy + cy)) if sy + cy > 0.0 else sx
         near = min(max(split, lo), hi)
         if abs(near - split) < REACH * length or distance[c] == np.inf:
-            value = _apex_distance(near, split, sx, sy, sigma, cx, cy)
+            value = apex_distance(near, split, sx, sy, sigma, cx, cy)
             if value < distance[c]:
                 _note(c, value, distance, queue, mesh)
         if lo < split and left_target >= 0 and left > 0.0:
@@ -182,12 +182,12 @@ def _cross_face(h: int, distance: FloatArray, queue: IndexedHeap, pool: Pool, me
 
 
 @kernel
-def _run(distance: FloatArray, queue: IndexedHeap, pool: Pool, mesh: UnfoldedMesh) -> bool:
-    """Work until nothing waits; False where the pool must grow first."""
+def _run(target: int, distance: FloatArray, queue: IndexedHeap, pool: Pool, mesh: UnfoldedMesh) -> bool:
+    """Work until nothing waits that is nearer than the target; False where the pool must grow first."""
     n_halfedges = len(mesh.sides)
     while True:
         item = heap_pop(queue)
-        if item < 0:
+        if item < 0 or (target >= 0 and queue.key[item] > distance[target]):
             return True
         if item < n_halfedges:
             complete = _cross_face(item, distance, queue, pool, mesh)
@@ -198,8 +198,12 @@ def _run(distance: FloatArray, queue: IndexedHeap, pool: Pool, mesh: UnfoldedMes
 
 
 @njit(cache=True, nogil=True)
-def propagate(source: int, mesh: UnfoldedMesh, distance: FloatArray) -> None:
-    """Fill ``distance`` (n,) with the exact distance of every vertex from the source, inf where unreachable."""
+def propagate(source: int, target: int, mesh: UnfoldedMesh, distance: FloatArray) -> Pool:
+    """Fill ``distance`` (n,) with the exact distance of every vertex from the source, inf where unreachable.
+
+    With a target that is not -1 the work ends there: distances beyond that of the target are upper bounds.
+    Returned are the windows.
+    """
     n_halfedges = len(mesh.sides)
     distance[:] = np.inf
     distance[source] = 0.0
@@ -207,5 +211,6 @@ def propagate(source: int, mesh: UnfoldedMesh, distance: FloatArray) -> None:
     queue = new_heap(n_halfedges + len(distance))
     pool = new_pool(n_halfedges, 2 * n_halfedges + 64)
     heap_push(queue, n_halfedges + source, 0.0)
-    while not _run(distance, queue, pool, mesh):
+    while not _run(target, distance, queue, pool, mesh):
         pool = grown_pool(pool)
+    return pool

@@ -41,6 +41,8 @@ class UnfoldedMesh(NamedTuple):
     """
 
     sides: npt.NDArray[np.void]  # (3 m,) SIDE
+    angles: FloatArray  # (n,) total angle about each vertex
+    boundary: npt.NDArray[np.bool_]  # (n,)
     bends: npt.NDArray[np.bool_]  # (n,) a shortest path may bend here: saddle, flat, or reflex on the boundary
     corner_start: IntArray  # (n + 1,) corners of vertex v are corners[corner_start[v]:corner_start[v + 1]]
     corners: IntArray  # (3 m,) as 3 f + k
@@ -107,8 +109,8 @@ def unfolded(mesh: IntrinsicMesh) -> UnfoldedMesh:
     sides["cx"], sides["from_head"], sides["cy"] = apexes(lengths).reshape(-1, 3).T
     sides["tail"], sides["twin"] = faces.ravel(), mesh.twins.ravel()
     sides["aligned"] = (sides["twin"] >= 0) & (sides["tail"] == sides["tail"][sides["twin"]])
-    straight = np.where(boundary_mask(mesh), np.pi, 2 * np.pi)
-    bends = vertex_angles(mesh) > straight - ANGLE_SLACK
+    angles, boundary = vertex_angles(mesh), boundary_mask(mesh)
+    bends = angles > np.where(boundary, np.pi, 2 * np.pi) - ANGLE_SLACK
     # A side without length has no windows: both of its ends must pass the wave on instead. So must those of a
     # very short one, where rounding of the long sides leaves the angles uncertain.
     collapsed = lengths <= SHORT * lengths.max(axis=1, keepdims=True)
@@ -116,4 +118,4 @@ def unfolded(mesh: IntrinsicMesh) -> UnfoldedMesh:
     bends[np.roll(faces, -1, axis=1)[collapsed]] = True
     corners = np.argsort(sides["tail"], kind="stable").astype(np.int32)
     start = np.concatenate([[0], np.cumsum(np.bincount(sides["tail"], minlength=mesh.n_vertices))])
-    return UnfoldedMesh(sides, bends, start.astype(np.int32), corners)
+    return UnfoldedMesh(sides, angles, boundary, bends, start.astype(np.int32), corners)
