@@ -25,9 +25,7 @@ def _spoke(c: int, k: int, mesh: UnfoldedMesh) -> tuple[int, int]:
     """The k-th of the two sides that leave corner c, and the vertex at its other end."""
     base = 3 * (c // 3)
     ahead, back = base + (c - base + 1) % 3, base + (c - base + 2) % 3
-    if k == 0:
-        return np.int64(c), mesh.sides[ahead]["tail"]
-    return np.int64(back), mesh.sides[back]["tail"]
+    return (c, mesh.sides[ahead]["tail"]) if k == 0 else (back, mesh.sides[back]["tail"])
 
 
 @kernel
