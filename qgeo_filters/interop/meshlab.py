@@ -21,9 +21,12 @@ from qgeo_filters.errors import MeshError, require_package
 from qgeo_filters.interop.meshlab_attributes import Key, add_attributes, custom_attributes, joined, split
 from qgeo_filters.interop.raw import RawMesh, counted
 
+#: Name under which vertex colours, (n, 3) in [0, 1], come and go; the mesh keeps them as its own colours.
+COLORS = "colors"
+
 
 def read(mesh: Any, repair: bool) -> RawMesh:
-    """Arrays of the current mesh; custom scalar and point attributes are the attributes.
+    """Arrays of the current mesh; custom scalar and point attributes are the attributes, and ``"colors"``.
 
     Raises
     ------
@@ -33,7 +36,12 @@ def read(mesh: Any, repair: bool) -> RawMesh:
     layer = _layer(mesh)
     if not layer.is_compact():
         raise MeshError("the PyMeshLab mesh has deleted elements: call mesh.compact() first")
-    return RawMesh(layer.vertex_matrix(), layer.face_matrix(), joined(custom_attributes(layer)[0]))
+    attributes = joined(custom_attributes(layer)[0])
+    if layer.has_vertex_color():
+        colors = layer.vertex_color_matrix()[:, :3]
+        if (colors != colors[:1]).any():  # a mesh that was never painted is of one colour
+            attributes[COLORS] = colors
+    return RawMesh(layer.vertex_matrix(), layer.face_matrix(), attributes)
 
 
 def write(mesh: Any, attributes: Mapping[str, np.ndarray]) -> Any:
@@ -107,8 +115,12 @@ def _add_copy(
         copy.generate_copy_of_current_mesh()
     if positions is not None:
         _move(pymeshlab, copy, positions)
+    colors = new.get(("vertex", COLORS))
+    if colors is not None and colors.shape == (layer.vertex_number(), 3):
+        _paint(copy, colors)
     rebuilt.add_mesh(copy.current_mesh(), layer.label())
-    add_attributes(rebuilt.current_mesh(), {**own, **new})
+    added = {key: values for key, values in new.items() if key != ("vertex", COLORS)}
+    add_attributes(rebuilt.current_mesh(), {**own, **added})
 
 
 def _move(pymeshlab: Any, holder: Any, positions: npt.NDArray[np.float64]) -> None:
@@ -123,8 +135,14 @@ def _move(pymeshlab: Any, holder: Any, positions: npt.NDArray[np.float64]) -> No
     holder.compute_normal_per_vertex()
 
 
-def _placeholder(pymeshlab: Any) -> Any:
-    return pymeshlab.Mesh(np.zeros((1, 3)))
+def _paint(holder: Any, colors: np.ndarray) -> None:
+    """Set the vertex colours of the current mesh, in place; the copy that does it has no custom attributes."""
+    names = []
+    for channel, values in zip("rgb", colors.T, strict=True):
+        names.append(f"qgeo_paint_{channel}")
+        holder.current_mesh().add_vertex_custom_scalar_attribute(np.round(255 * np.clip(values, 0, 1)), names[-1])
+    holder.compute_color_by_function_per_vertex(x=names[0], y=names[1], z=names[2], a="255")
+    holder.generate_copy_of_current_mesh()
 
 
 def _carry_over(rebuilt: Any, layer: Any) -> None:

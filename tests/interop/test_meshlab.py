@@ -79,7 +79,8 @@ def test_arrays_and_attributes_come_along(meshes):
     surface = as_surface(meshes)
     np.testing.assert_array_equal(surface.vertices, VERTICES)
     np.testing.assert_array_equal(surface.faces, FACES)
-    assert set(surface.attributes) == {"own", "own_point"}
+    assert set(surface.attributes) == {"own", "own_point", "colors"}
+    np.testing.assert_array_equal(surface.attributes["colors"], meshes.current_mesh().vertex_color_matrix()[:, :3])
     np.testing.assert_array_equal(surface.attributes["own"], np.arange(N))
     assert as_surface(meshes.mesh(0)).attributes.keys() == {"of_the_cow"}
 
@@ -116,7 +117,7 @@ def test_the_input_is_not_changed(meshes):
     assert meshes.mesh_number() == 3
     assert meshes.current_mesh_id() == 2
     assert_content(meshes.current_mesh(), before)
-    assert set(as_surface(meshes).attributes) == {"own", "own_point"}
+    assert set(as_surface(meshes).attributes) == {"own", "own_point", "colors"}
 
 
 def test_attributes_can_be_replaced(meshes):
@@ -218,7 +219,7 @@ def test_attributes_whose_names_are_not_told_are_missed_aloud(meshes):
     meshes.current_mesh().add_vertex_custom_scalar_attribute(np.ones(N), "odd name")
     with pytest.warns(UserWarning, match="1 custom attribute of layer 'the blob' cannot be copied"):
         out = like_host(meshes, as_surface(meshes), {"qgeo_a": np.zeros(N)})
-    assert set(as_surface(out).attributes) == {"own", "own_point", "qgeo_a"}
+    assert set(as_surface(out).attributes) == {"own", "own_point", "colors", "qgeo_a"}
 
 
 def test_nothing_is_printed(meshes, capfd):
