@@ -12,6 +12,7 @@ from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter, registered
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric
+from qgeo_filters.geodesics.paths import GeodesicPath, quasi_geodesic
 from qgeo_filters.surface import Surface
 
 Method = Literal["graph", "exact", "edges"]
@@ -93,3 +94,48 @@ class QuasiGeodesicDistances(MetricFilter):
             progress=progress,
         )
         return {"qgeo_distance": field[0] if np.ndim(self.sources) == 0 else field.T}
+
+
+@registered
+class QuasiGeodesicPath(MetricFilter):
+    """Finds the quasi-geodesic path between two vertices and marks the triangles that it crosses.
+
+    The path itself, its length and its geodesic curvature, is on the filter as ``path_``.
+
+    Parameters
+    ----------
+    start, end : int
+        Vertices.
+    scalar, curvature_weight, smoothing
+        See `MetricFilter`.
+    tolerance : float
+        Largest geodesic curvature, radians, that counts as straight.
+    """
+
+    outputs = {"qgeo_path": "(n,) int32: 1 at the corners of the triangles that the path crosses, 0 elsewhere"}
+
+    path_: GeodesicPath
+    """The path of the last call."""
+
+    def __init__(
+        self,
+        start: int = 0,
+        end: int = 1,
+        scalar: Scalar = "mean_curvature",
+        curvature_weight: float = 0.03,
+        smoothing: float = 0.0,
+        tolerance: float = 1e-6,
+    ) -> None:
+        self.start = start
+        self.end = end
+        self.scalar = scalar
+        self.curvature_weight = curvature_weight
+        self.smoothing = smoothing
+        self.tolerance = tolerance
+
+    def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
+        """Marks by attribute name."""
+        self.path_ = quasi_geodesic(surface, self.start, self.end, self._metric(surface), tolerance=self.tolerance)
+        marks = np.zeros(surface.n_vertices, dtype=np.int32)
+        marks[surface.faces[self.path_.faces]] = 1
+        return {"qgeo_path": marks}

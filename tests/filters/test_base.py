@@ -18,6 +18,7 @@ FILTERS = [
     qg.SurfaceScalar("gaussian_curvature", smoothing=0.05),
     qg.QuasiGeodesicDistances(sources=3),
     qg.QuasiGeodesicDistances(sources=[3, 7], curvature_weight=0.0, method="exact"),
+    qg.QuasiGeodesicPath(start=3, end=60),
     qg.QuasiGeodesicSpectrum(k=6),
     qg.LaplacianSpectrum(k=5),
     qg.SurfaceScalar() | qg.Paint("qgeo_scalar"),
@@ -148,3 +149,13 @@ def test_transfer_is_exact_for_linear_functions_on_flat_triangles() -> None:
     assert np.allclose(result.attributes["f"], points @ np.array([1.0, -2.0, 0.5]), atol=1e-9)
     nearest = source.faces[np.arange(source.n_faces), weights.argmax(axis=1)]
     assert np.array_equal(result.attributes["label"], nearest % 3)
+
+
+def test_the_path_is_as_long_as_the_distance_and_lies_in_the_marked_triangles() -> None:
+    surface = sample_surface()
+    filter = qg.QuasiGeodesicPath(start=5, end=120, curvature_weight=0.05)
+    marks = filter(surface).attributes["qgeo_path"]
+    exact = qg.QuasiGeodesicDistances(5, curvature_weight=0.05, method="exact")(surface).attributes["qgeo_distance"]
+    assert filter.path_.length == pytest.approx(exact[120], rel=1e-9)
+    assert marks[[5, 120]].tolist() == [1, 1]
+    assert 0 < marks.sum() < surface.n_vertices
