@@ -526,6 +526,20 @@ def test_plot_path_draws_on_the_side_that_is_seen(sphere: Surface) -> None:
 
 
 @pytest.mark.usefixtures("coarse")
+def test_plot_path_curvature_is_drawn_over_the_way_gone() -> None:
+    path = SimpleNamespace(
+        points=np.array([[0, 0, 0], [1, 0, 0], [1, 2, 0], [1, 2, 4.0]]), kappa_g=np.array([0.5, -0.25])
+    )
+    axes = figures.plot_path_curvature(path).axes[0]
+    points = axes.lines[-1]
+    np.testing.assert_allclose(points.get_xdata(), [1, 3])
+    np.testing.assert_allclose(points.get_ydata(), [0.5, -0.25])
+    assert axes.get_xlim() == (0.0, 7.0)
+    straight = SimpleNamespace(points=np.array([[0, 0, 0], [1.0, 0, 0]]), kappa_g=np.empty(0))
+    assert figures.plot_path_curvature(straight).axes[0].get_ylim() == (-1e-3, 1e-3)
+
+
+@pytest.mark.usefixtures("coarse")
 def test_plot_symmetry_gives_matched_places_one_colour() -> None:
     ring = Surface(*torus())
     mirror = np.argmin(np.linalg.norm(ring.vertices[:, None] * [-1, 1, 1] - ring.vertices, axis=2), axis=1)

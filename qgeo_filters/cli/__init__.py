@@ -8,10 +8,11 @@ import typer
 
 from qgeo_filters.cli.demo import demo
 from qgeo_filters.cli.errors import OneLineErrors
-from qgeo_filters.cli.geodesics import distances
+from qgeo_filters.cli.geodesics import distances, path
 from qgeo_filters.cli.mesh import info
 from qgeo_filters.cli.pipeline import run
 from qgeo_filters.cli.spectral import spectrum
+from qgeo_filters.cli.warmup import warmup
 
 app = typer.Typer(
     cls=OneLineErrors,
@@ -44,7 +45,7 @@ def qgeo(
         typer.echo(context.get_help())
 
 
-for command in (demo, info, distances, spectrum, run):
+for command in (demo, info, distances, spectrum, path, run, warmup):
     app.command()(command)
 
 

@@ -142,14 +142,14 @@ def path(
 ) -> None:
     """Find the straightest way over the surface between two vertices, with its geodesic curvature.
 
-    result.npz: points (p, 3), length, kappa_g.
+    result.npz: points (p, 3), length, kappa_g (p - 2,) and both angles in radians, faces (p,), barycentric (p, 3).
     """
     import numpy as np
 
     from qgeo_filters.cli.job import Job
     from qgeo_filters.geodesics.lifting import lifted_metric
     from qgeo_filters.geodesics.paths import quasi_geodesic
-    from qgeo_filters.report.figures import plot_path
+    from qgeo_filters.report.figures import plot_path, plot_path_curvature
     from qgeo_filters.validation import checked_index
 
     parameters = {
@@ -176,7 +176,21 @@ def path(
     }
     ends = np.zeros(surface.n_vertices, dtype=np.int32)
     ends[start], ends[end] = 1, 2
-    arrays = {"points": found.points, "length": np.float64(found.length), "kappa_g": kappa}
+    arrays = {
+        "points": found.points,
+        "length": np.float64(found.length),
+        "kappa_g": kappa,
+        "left_angle": found.left_angle,
+        "right_angle": found.right_angle,
+        "faces": found.faces,
+        "barycentric": found.barycentric,
+    }
     job.save(results, arrays, surface.with_attributes({"qgeo_path_end": ends}))
     job.picture("path", f"The path from vertex {i} (yellow) to vertex {j} (red).", lambda: plot_path(surface, found))
+    job.picture(
+        "path_curvature",
+        "Discrete geodesic curvature (paper, eq. 1) at every edge and vertex that the path crosses: zero where it is "
+        "straight, not zero only where it bends around a vertex that no shorter way avoids.",
+        lambda: plot_path_curvature(found),
+    )
     job.finish()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import matplotlib
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +18,9 @@ from qgeo_filters.report.colors import MISSING, ordered_colors, sequential
 from qgeo_filters.report.panels import STYLE, Panel, draw_panel, new_figure
 from qgeo_filters.report.view import View, best_view
 from qgeo_filters.surface import Surface
+
+if TYPE_CHECKING:
+    from qgeo_filters.geodesics.paths import GeodesicPath
 
 _ROWS = 700  # as many as the picture has pixels
 
@@ -129,6 +134,32 @@ def plot_spectrum(eigenvalues: npt.ArrayLike, *, label: str = r"$|\gamma_k|\,/\,
         axes.grid(True, which="major", color="0.92", linewidth=0.6)
         axes.set_axisbelow(True)
         axes.legend(frameon=False, title=r"sign of $\gamma_k$")
+    return figure
+
+
+def plot_path_curvature(path: GeodesicPath) -> Figure:
+    """Figure of the geodesic curvature, eq. (1), at the points of a path, over the way gone.
+
+    Parameters
+    ----------
+    path : GeodesicPath
+        Anything with ``points`` (p, 3) and ``kappa_g`` (p - 2,).
+    """
+    step = np.linalg.norm(np.diff(np.asarray(path.points, dtype=np.float64), axis=0), axis=1)
+    way = np.cumsum(step)[:-1]
+    figure = new_figure(4.6, 2.6)
+    with matplotlib.rc_context(STYLE):
+        axes = figure.add_subplot()
+        axes.axhline(0.0, color="0.75", linewidth=0.8, zorder=0)
+        axes.vlines(way, 0.0, path.kappa_g, color="#2c5fa8", linewidth=1.2)
+        axes.plot(way, path.kappa_g, "o", color="#2c5fa8", markersize=3.0)
+        axes.set(
+            xlabel="way from the start (mesh units)",
+            ylabel=r"$\kappa_g$ (radians)",
+            xlim=(0.0, float(step.sum()) or 1.0),
+        )
+        if np.abs(path.kappa_g).max(initial=0.0) < 1e-3:
+            axes.set_ylim(-1e-3, 1e-3)
     return figure
 
 

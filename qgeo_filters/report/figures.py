@@ -10,7 +10,7 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from qgeo_filters.report.charts import plot_distance_matrix, plot_spectrum
+from qgeo_filters.report.charts import plot_distance_matrix, plot_path_curvature, plot_spectrum
 from qgeo_filters.report.colors import distinct, diverging, position_colors, sequential
 from qgeo_filters.report.glyphs import ball, tube
 from qgeo_filters.report.panels import Panel, panel_figure
@@ -29,6 +29,7 @@ __all__ = [
     "plot_distance_matrix",
     "plot_eigenfunctions",
     "plot_path",
+    "plot_path_curvature",
     "plot_scalar",
     "plot_spectrum",
     "plot_surface",

@@ -12,6 +12,7 @@ import pytest
 from typer.testing import Result
 
 import qgeo_filters as qg
+from qgeo_filters.geodesics.paths import quasi_geodesic
 
 Qgeo = Callable[..., Result]
 Loaded = Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]
@@ -91,6 +92,35 @@ def test_spectrum(qgeo: Qgeo, loaded: Loaded) -> None:
     assert content["results"]["eigenvalues"] == arrays["eigenvalues"].tolist()
     assert qg.Surface.read("qgeo-out/blob.ply").attributes["qgeo_phi"].shape == (162, 7)
     assert {"eigenfunctions.png", "spectrum.png"} <= set(content["files"])
+
+
+def test_path(qgeo: Qgeo, loaded: Loaded) -> None:
+    assert qgeo("path", "blob.off", 3, 100, "-w", 0.05).exit_code == 0
+    content, arrays = loaded(Path("qgeo-out"))
+    surface = qg.Surface.read("blob.off")
+    metric = qg.lifted_metric(surface, weight=0.05)
+    expected = quasi_geodesic(surface, 3, 100, metric)
+    np.testing.assert_array_equal(arrays["points"], expected.points)
+    np.testing.assert_array_equal(arrays["kappa_g"], expected.kappa_g)
+    assert arrays["length"] == content["results"]["length"] == expected.length
+    assert arrays["length"] == pytest.approx(qg.distances(surface, [3], metric, "exact")[0, 100], rel=1e-9)
+    np.testing.assert_allclose(arrays["points"][[0, -1]], surface.vertices[[3, 100]])
+    ends = qg.Surface.read("qgeo-out/blob.ply").attributes["qgeo_path_end"]
+    assert (ends[3], ends[100], np.count_nonzero(ends)) == (1, 2, 2)
+    assert {"path.png", "path_curvature.png"} <= set(content["files"])
+
+
+def test_path_from_a_vertex_to_itself(qgeo: Qgeo, loaded: Loaded) -> None:
+    result = qgeo("path", "sphere.ply", 5, 5)
+    assert result.exit_code == 0
+    assert loaded(Path("qgeo-out"))[1]["length"] == 0.0
+
+
+def test_warmup(qgeo: Qgeo) -> None:
+    result = qgeo("warmup")
+    assert result.exit_code == 0
+    assert "kernels compiled in" in result.stdout
+    assert qgeo("warmup", "-q").stdout == ""
 
 
 PIPELINE = (qg.DifferentialCoordinates("cotangent") | qg.QuasiGeodesicDistances(4), ("qgeo_delta", "qgeo_distance"))

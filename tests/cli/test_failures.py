@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from typer.testing import Result
 
+from qgeo_filters.surface import Surface
+
 Qgeo = Callable[..., Result]
 
 BAD = [
@@ -32,6 +34,10 @@ BAD = [
     (["spectrum", "sphere.ply", "-k", "0"], "k must be between 1 and the number of vertices, 162, got 0"),
     (["spectrum", "sphere.ply", "-k", "163"], "got 163"),
     (["spectrum", "sphere.ply", "-w", "-1"], "-1"),
+    (["path", "sphere.ply", "0", "162"], "J is vertex 162, but there are 162 vertices"),
+    (["path", "sphere.ply", "0", "-1"], "No such option: -1"),
+    (["path", "sphere.ply", "0"], "Missing argument 'J'"),
+    (["path", "two.off", "0", "200"], "piece"),
     (["run", "nowhere.yaml", "sphere.ply"], "nowhere.yaml"),
     (["run", "pipe.yaml", "sphere.ply"], "pipe.yaml: steps[0] names the unknown filter 'Magic'"),
     (["run", "sphere.ply", "sphere.ply"], "sphere.ply"),
@@ -42,6 +48,12 @@ BAD = [
 @pytest.mark.parametrize(("command", "expected"), BAD, ids=[" ".join(command) for command, _ in BAD])
 def test_bad_input(qgeo: Qgeo, command: list[str], expected: str) -> None:
     Path("pipe.yaml").write_text("qgeo_pipeline: 1\nsteps: [{Magic: {}}]\n")
+    sphere = Surface.read("sphere.ply")
+    vertices, faces = (
+        np.concatenate([sphere.vertices, sphere.vertices + 5]),
+        np.concatenate([sphere.faces, sphere.faces + 162]),
+    )
+    Surface(vertices, faces).write("two.off")
     result = qgeo(*command)
     assert result.exit_code == 2
     assert result.stdout == ""
