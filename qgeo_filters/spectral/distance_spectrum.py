@@ -7,21 +7,19 @@ from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import eigh
-from scipy.sparse.linalg import LinearOperator, aslinearoperator, eigsh
+from scipy.sparse.linalg import LinearOperator, aslinearoperator
 
 from qgeo_filters.errors import MeshError
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.metric import LiftedMetric
 from qgeo_filters.spectral.canonical import canonical_signs, group_multiplets
+from qgeo_filters.spectral.eigensolver import largest_eigenpairs
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen, listed
 
 FloatArray = npt.NDArray[np.float64]
 Weights = Literal["area", "uniform"]
 
-# Relative accuracy of the eigenvalues asked of ARPACK: what float32 distances can carry.
-_TOLERANCE = 1e-6
 # Two random vectors must agree to this on <x, D y> = <y, D x>; float32 distances do, one-sided ones do not.
 _SYMMETRY = 1e-4
 
@@ -187,12 +185,8 @@ def spectrum_of_matrix(matrix: Any, areas: npt.ArrayLike, k: int = 20, weights: 
     # Free of the unit of length, so that no scale leaves the range of float32.
     unit = root @ root
     operator = _symmetric(matrix, root / np.sqrt(unit))
-    vectors = _largest(operator, k)
-    # Rayleigh-Ritz in float64: orthonormal to rounding, whatever the precision of the products.
-    basis = np.linalg.qr(vectors)[0]
-    values, turn = eigh(_symmetrised(basis.T @ operator.matmat(basis)))
-    order = np.lexsort((-values, -np.abs(values)))[:k]
-    return Spectrum.of(values[order] * unit, (basis @ turn)[:, order] / root[:, None], area)
+    values, vectors = largest_eigenpairs(operator, k)
+    return Spectrum.of(values * unit, vectors / root[:, None], area)
 
 
 def check_count(k: int, n: int) -> None:
@@ -232,17 +226,3 @@ def _symmetric(matrix: Any, root: FloatArray) -> LinearOperator:
     if abs(one - other) > _SYMMETRY * max(abs(one), abs(other)):
         raise ValueError(f"the matrix is not symmetric: <x, D y> = {one:.6g}, <y, D x> = {other:.6g}")
     return operator
-
-
-def _largest(operator: LinearOperator, k: int) -> FloatArray:
-    """Orthonormal basis that holds the k eigenvectors of largest absolute value."""
-    n = operator.shape[0]
-    if 3 * k >= n or n <= 64:
-        return eigh(_symmetrised(operator.matmat(np.eye(n))))[1]
-    # A generic start: one that shares a symmetry of the surface would never leave it.
-    start = np.random.default_rng(0).standard_normal(n)
-    return eigsh(operator, k=k, which="LM", v0=start, tol=_TOLERANCE, ncv=min(n, max(2 * k + 1, 20)))[1]
-
-
-def _symmetrised(matrix: FloatArray) -> FloatArray:
-    return (matrix + matrix.T) / 2

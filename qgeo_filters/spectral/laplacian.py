@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import robust_laplacian
 from scipy import sparse
-from scipy.linalg import eigh
-from scipy.sparse.linalg import eigsh
+from scipy.sparse.linalg import LinearOperator, splu
 
 from qgeo_filters.spectral.distance_spectrum import Spectrum, check_areas, check_count
+from qgeo_filters.spectral.eigensolver import largest_eigenpairs
 from qgeo_filters.surface import Surface
 
 # Shift below zero, in units of 1 / area: the first eigenvalue is 0 and the next is of the order of 10.
@@ -56,13 +56,10 @@ def laplacian_spectrum(surface: Surface, k: int = 20) -> Spectrum:
     root = np.sqrt(areas)
     scale = sparse.diags_array(1 / root)
     symmetric = scale @ stiffness @ scale
-    if 3 * k >= n or n <= 64:
-        values, vectors = eigh(symmetric.toarray(), subset_by_index=(0, k - 1))
-    else:
-        start = np.random.default_rng(0).standard_normal(n)
-        values, vectors = eigsh(symmetric.tocsc(), k=k, sigma=-_SHIFT, which="LM", v0=start)
-    order = np.argsort(values, kind="stable")
+    # The smallest eigenvalues are the largest of the inverse, moved off zero.
+    solve = splu((symmetric + _SHIFT * sparse.eye_array(n)).tocsc()).solve
+    inverse = LinearOperator((n, n), matvec=solve, matmat=solve, dtype=np.float64)
+    inverted, vectors = largest_eigenpairs(inverse, k)
     # The smallest is zero and comes out as rounding of either sign.
-    values = np.maximum(values[order], 0.0) / unit
-    basis = np.linalg.qr(vectors[:, order])[0]
-    return Spectrum.of(values, basis / (root * np.sqrt(unit))[:, None], areas * unit)
+    values = np.maximum(1 / inverted - _SHIFT, 0.0) / unit
+    return Spectrum.of(values, vectors / (root * np.sqrt(unit))[:, None], areas * unit)

@@ -1,0 +1,183 @@
+"""Spectrum of the distances from those of some landmarks, in memory O(n landmarks)."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from scipy import sparse
+from scipy.sparse.csgraph import dijkstra
+from scipy.sparse.linalg import LinearOperator
+
+from qgeo_filters.geodesics.lifting import lifted_metric
+from qgeo_filters.geodesics.metric import LiftedMetric, cartesian_metric
+from qgeo_filters.spectral.distance_spectrum import Spectrum, check_areas, check_count, spectrum_of_matrix
+from qgeo_filters.spectral.interpolation import biharmonic_interpolation
+from qgeo_filters.surface import Surface
+from qgeo_filters.validation import checked_index, checked_indices
+
+FloatArray = npt.NDArray[np.float64]
+Vertices = npt.NDArray[np.int64]
+
+
+def farthest_points(
+    surface: Surface, count: int, metric: LiftedMetric | None = None, *, start: int | None = None
+) -> Vertices:
+    """Vertices spread evenly over the surface, each the farthest from those before it, shape (count,).
+
+    Distances are those along the edges, which are enough to spread by and cost far less than geodesics.
+
+    Parameters
+    ----------
+    surface : Surface
+        In one piece.
+    count : int
+        Number of points, at most n. The first points of a longer sequence are the shorter one.
+    metric : LiftedMetric, optional
+        None is the metric of the surface itself.
+    start : int, optional
+        First point; the vertex farthest from the centroid by default, which does not depend on the numbering.
+
+    Raises
+    ------
+    DisconnectedError
+        Surface in several pieces.
+    ValueError
+        ``count`` or ``start`` out of range.
+
+    References
+    ----------
+    Gonzalez, "Clustering to minimize the maximum intercluster distance", 1985: the covering radius is at
+    most twice the best.
+    """
+    surface.require_connected("farthest point sampling")
+    n = surface.n_vertices
+    if not isinstance(count, (int, np.integer)) or not 1 <= count <= n:
+        raise ValueError(f"the number of points must be between 1 and the number of vertices, {n}, got {count!r}")
+    metric = metric or cartesian_metric(surface)
+    if start is None:
+        centroid = surface.vertex_areas @ surface.vertices / surface.area
+        start = int(np.linalg.norm(surface.vertices - centroid, axis=1).argmax())
+    points = [checked_index(start, n, "start")]
+    a, b = surface.edges.T
+    graph = sparse.csr_matrix((metric.edge_lengths, (a, b)), shape=(n, n))
+    nearest = dijkstra(graph, directed=False, indices=points)[0]
+    while len(points) < count:
+        # Points taken already are at distance zero, as are vertices that coincide with them: never take one twice.
+        nearest[points[-1]] = -1.0
+        points.append(int(nearest.argmax()))
+        # A new point changes nothing beyond the largest distance there is.
+        limit = max(float(nearest[points[-1]]), 0.0)
+        np.minimum(nearest, dijkstra(graph, directed=False, indices=points[-1:], limit=limit)[0], out=nearest)
+    return np.array(points, dtype=np.int64)
+
+
+def landmark_spectrum(
+    surface: Surface,
+    k: int = 20,
+    metric: LiftedMetric | None = None,
+    landmarks: int | npt.ArrayLike = 500,
+    *,
+    method: str = "graph",
+    accuracy: float = 1e-3,
+    progress: bool = False,
+) -> Spectrum:
+    """Spectrum of the distances, approximated from those between some landmarks and all vertices.
+
+    Parameters
+    ----------
+    surface : Surface
+    k : int
+        Number of eigenpairs.
+    metric : LiftedMetric, optional
+        Default: `lifted_metric` of the surface, as it is.
+    landmarks : int or array-like of int
+        How many farthest points, or which vertices; more than k.
+    method, accuracy, progress
+        As in `distances`.
+
+    Returns
+    -------
+    Spectrum
+
+    See Also
+    --------
+    landmark_operator : the approximation, its error and its cost.
+    """
+    from qgeo_filters.geodesics.matrix import distances
+
+    surface.require_connected("the spectrum of the distances")
+    check_count(k, surface.n_vertices)
+    check_areas(surface.vertex_areas)
+    if metric is None:
+        metric = lifted_metric(surface)
+    if np.ndim(landmarks) == 0:
+        points = farthest_points(surface, int(landmarks), metric)  # type: ignore[arg-type]
+    else:
+        points = checked_indices(landmarks, surface.n_vertices, "landmarks")
+    if len(points) <= k:
+        raise ValueError(f"{k} eigenpairs need more landmarks than that, got {len(points)}")
+    rows = distances(surface, points, metric, method, accuracy=accuracy, progress=progress)
+    return spectrum_of_matrix(landmark_operator(metric, points, rows), surface.vertex_areas, k)
+
+
+def landmark_operator(metric: LiftedMetric, landmarks: npt.ArrayLike, rows: npt.ArrayLike) -> LinearOperator:
+    r"""Symmetric approximation of the distance matrix (n, n) from the rows of m landmarks.
+
+    With R the rows (m, n), G = R at the landmarks (m, m), and W the interpolation (n, m) that carries
+    values at the landmarks to the surface,
+
+    .. math:: D \approx W R + R^T W^T - W G W^T,
+
+    which differs from D by :math:`(I - P) D (I - P^T)`, P being the interpolation of a function from its values at
+    the landmarks: the product of two interpolation errors. The rows of the landmarks are reproduced. W is
+    biharmonic in the metric, :math:`\min \int (\Delta f)^2` for given values, and is never formed: each product with it
+    is one sparse solve.
+
+    Parameters
+    ----------
+    metric : LiftedMetric
+    landmarks : array-like of int, shape (m,)
+        Different vertices.
+    rows : array-like, shape (m, n)
+        Distances in this metric from each landmark to all vertices; kept as float32.
+
+    Returns
+    -------
+    LinearOperator
+        Symmetric, float64, memory O(m n), a product costs O(m n).
+
+    Raises
+    ------
+    ValueError
+        A landmark that is named twice, or rows of another shape.
+
+    Notes
+    -----
+    The Nystrom extension, :math:`W = R^T G^{-1}`, inverts an indefinite matrix and finds eigenvalues of the wrong
+    sign; a quadrature over the landmarks' Voronoi cells is ten times less accurate. Interpolation of both arguments,
+    :math:`W G W^T` alone, smooths the cone of the distance at its source; the one-sided terms give it back.
+
+    References
+    ----------
+    Shamai, Zibulevsky, Kimmel, "Efficient inter-geodesic distance computation and fast classical scaling",
+    TPAMI 2020 (:math:`W G W^T`).
+    """
+    surface = metric.surface
+    n = surface.n_vertices
+    points = checked_indices(landmarks, n, "landmarks")
+    if len(np.unique(points)) < len(points):
+        raise ValueError("the landmarks must be different vertices")
+    table = np.asarray(rows, dtype=np.float32)
+    if table.shape != (len(points), n):
+        raise ValueError(f"rows must have shape {(len(points), n)}, got {table.shape}")
+    between = table[:, points].astype(np.float64)
+    between = (between + between.T) / 2
+    spread, gathered = biharmonic_interpolation(metric, points)
+
+    def product(x: FloatArray) -> FloatArray:
+        columns = np.asarray(x, dtype=np.float64).reshape(n, -1)
+        weights = gathered(columns)
+        at_landmarks = (table @ columns.astype(np.float32)).astype(np.float64) - between @ weights
+        return (table.T @ weights.astype(np.float32) + spread(at_landmarks)).reshape(np.shape(x))
+
+    return LinearOperator((n, n), matvec=product, matmat=product, rmatvec=product, rmatmat=product, dtype=np.float64)
