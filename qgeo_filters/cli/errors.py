@@ -58,4 +58,5 @@ def fail(message: str) -> NoReturn:
 def _sentence(error: BaseException) -> str:
     if isinstance(error, OSError) and error.strerror and error.filename:
         return f"{error.filename}: {error.strerror}"
-    return str(error) or type(error).__name__
+    # The library's advice names its own argument.
+    return str(error).replace("repair=True", "--repair") or type(error).__name__

@@ -25,6 +25,7 @@ BAD = [
     (["info", "sphere.ply", "--bogus"], "No such option: --bogus"),
     (["bogus"], "No such command 'bogus'"),
     (["distances", "fan.off"], "edge (0, 1) has 3 faces"),
+    (["distances", "fan.off"], "--repair splits or removes them"),
     (["distances", "sphere.ply", "-s", "162"], "vertex 162, but there are 162 vertices"),
     (["distances", "sphere.ply", "-s", "-1"], "-1"),
     (["distances", "sphere.ply", "-s", "0,x"], "got '0,x'"),
@@ -45,7 +46,9 @@ BAD = [
 ]
 
 
-@pytest.mark.parametrize(("command", "expected"), BAD, ids=[" ".join(command) for command, _ in BAD])
+@pytest.mark.parametrize(
+    ("command", "expected"), BAD, ids=[f"{' '.join(command)}: {expected}" for command, expected in BAD]
+)
 def test_bad_input(qgeo: Qgeo, command: list[str], expected: str) -> None:
     Path("pipe.yaml").write_text("qgeo_pipeline: 1\nsteps: [{Magic: {}}]\n")
     sphere = Surface.read("sphere.ply")
