@@ -14,18 +14,17 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
-from qgeo_filters.geodesics.jit import kernel
+from qgeo_filters.geodesics.jit import inner, kernel
 
 Records = npt.NDArray[np.void]
 
 # One cache line.
 WINDOW = np.dtype(
-    [("lo", "f8"), ("hi", "f8"), ("sx", "f8"), ("sy", "f8"), ("sigma", "f8"), ("next", "i4"), ("pending", "i4"),
-     ("_", "f8", 2)]
+    [("lo", "f8"), ("hi", "f8"), ("sx", "f8"), ("sy", "f8"), ("sigma", "f8"), ("next", "i8"), ("pending", "i8"),
+     ("_", "f8")]
 )  # fmt: skip
-LIST = np.dtype([("first", "i4"), ("count", "i4")])
+LIST = np.dtype([("first", "i8"), ("count", "i8")])
 
 # Two distances closer than this, relatively, are a tie, which the window that came first keeps. Far above
 # the rounding of a strip of a thousand triangles, far below the accuracy that is promised.
@@ -146,7 +145,7 @@ def _contest(
     return b, b, b
 
 
-@njit(cache=True, nogil=True)
+@inner
 def new_pool(n_halfedges: int, capacity: int) -> Pool:
     """An empty pool."""
     windows = np.empty(capacity, dtype=WINDOW)
@@ -160,7 +159,7 @@ def new_pool(n_halfedges: int, capacity: int) -> Pool:
     return Pool(windows, lists, free)
 
 
-@njit(cache=True, nogil=True)
+@inner
 def grown_pool(pool: Pool) -> Pool:
     """The same windows in a pool of twice the size; the lists are shared."""
     old = len(pool.windows)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters.geodesics.jit import kernel
+from qgeo_filters.geodesics.jit import ZERO, kernel
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh
 
-IndexArray = npt.NDArray[np.int32]
+IndexArray = npt.NDArray[np.int64]
 
 
 @kernel
@@ -98,8 +98,8 @@ def turn_at(v: int, face: int, goal: int, w: int, sleeve: IndexArray, m: int, me
     one, two = base + (opposite - base + 1) % 3, base + (opposite - base + 2) % 3
     # Tried out behind the sleeve, where there is nothing to undo.
     trial = sleeve[m:]
-    _, first_angle = walk_fan(v, one, goal, w, trial, 0, mesh)
-    _, second_angle = walk_fan(v, two, goal, w, trial, 0, mesh)
+    _, first_angle = walk_fan(v, one, goal, w, trial, ZERO, mesh)
+    _, second_angle = walk_fan(v, two, goal, w, trial, ZERO, mesh)
     if first_angle == np.inf and second_angle == np.inf:
         return -1, -1
     way_out = one if first_angle <= second_angle else two

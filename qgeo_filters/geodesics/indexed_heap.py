@@ -6,24 +6,23 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
-from qgeo_filters.geodesics.jit import kernel
+from qgeo_filters.geodesics.jit import inner, kernel
 
 
 class IndexedHeap(NamedTuple):
     """Items 0..N-1, some of which wait; the first of ``heap`` has the smallest key."""
 
-    heap: npt.NDArray[np.int32]  # (N + 1,) waiting items; their number is in the last place
-    slot_of: npt.NDArray[np.int32]  # (N,) place in ``heap``, -1 for items that do not wait
+    heap: npt.NDArray[np.int64]  # (N + 1,) waiting items; their number is in the last place
+    slot_of: npt.NDArray[np.int64]  # (N,) place in ``heap``, -1 for items that do not wait
     key: npt.NDArray[np.float64]  # (N,)
 
 
-@njit(cache=True, nogil=True)
+@inner
 def new_heap(n_items: int) -> IndexedHeap:
     """A heap in which nothing waits."""
-    heap = np.zeros(n_items + 1, dtype=np.int32)
-    return IndexedHeap(heap, np.full(n_items, -1, dtype=np.int32), np.empty(n_items))
+    heap = np.zeros(n_items + 1, dtype=np.int64)
+    return IndexedHeap(heap, np.full(n_items, -1, dtype=np.int64), np.empty(n_items))
 
 
 @kernel

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from qgeo_filters.geodesics.envelope import Pool
 from qgeo_filters.geodesics.fans import append_crossing, face_with, side_opposite, trimmed, turn_at
 from qgeo_filters.geodesics.indexed_heap import IndexedHeap, heap_pop, heap_push, new_heap
-from qgeo_filters.geodesics.jit import kernel
+from qgeo_filters.geodesics.jit import NONE, ZERO, inner, kernel
 from qgeo_filters.geodesics.propagation import apex_distance, propagate
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh
 
 FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int32]
+IndexArray = npt.NDArray[np.int64]
 
 # A ray that comes this near to a vertex, relative to its length, that is as far as it should be, ends there.
 ARRIVED = 1e-7
@@ -53,20 +52,20 @@ def _go_along_edge(v: int, w: int, face: int, sleeve: IndexArray, m: int, mesh: 
     """Sleeve from the triangle ``face`` at v (-1: at the start) on along the edge to w."""
     if face < 0:
         return m, face_with(v, w, mesh)
-    return turn_at(v, face, -1, w, sleeve, m, mesh)
+    return turn_at(v, face, NONE, w, sleeve, m, mesh)
 
 
-@njit(cache=True, nogil=True)
+@inner
 def edge_sleeve(start: int, end: int, mesh: UnfoldedMesh) -> tuple[IndexArray, float, IndexArray]:
     """Sleeve about the shortest path along edges, the length of that (inf where there is none), its vertices."""
     n = len(mesh.angles)
-    distance, towards = np.full(n, np.inf), np.full(n, -1, dtype=np.int32)
+    distance, towards = np.full(n, np.inf), np.full(n, -1, dtype=np.int64)
     _dijkstra(end, start, new_heap(n), distance, towards, mesh)
-    sleeve, vertices = np.empty(3 * len(mesh.corners), dtype=np.int32), np.empty(n, dtype=np.int32)
+    sleeve, vertices = np.empty(3 * len(mesh.corners), dtype=np.int64), np.empty(n, dtype=np.int64)
     if distance[start] == np.inf:
         return sleeve[:0], np.inf, vertices[:0]
     vertices[0] = start
-    v, face, m, count = start, -1, 0, 1
+    v, face, m, count = start, NONE, ZERO, 1
     while v != end:
         m, face = _go_along_edge(v, towards[v], face, sleeve, m, mesh)
         v = towards[v]
@@ -162,13 +161,13 @@ def _best_window(v: int, pool: Pool, mesh: UnfoldedMesh) -> tuple[float, int, in
 @kernel
 def _trace(start: int, end: int, distance: FloatArray, pool: Pool, mesh: UnfoldedMesh, sleeve: IndexArray) -> int:
     """Length of the sleeve that leads down the distance from ``end``, from vertex to vertex where it bends."""
-    v, face, m = start, -1, 0
+    v, face, m = start, NONE, ZERO
     while v != end:
         by_edge, w = _best_edge(v, end, True, distance, mesh)
         by_window, h, row = _best_window(v, pool, mesh)
         if by_window < by_edge * (1.0 - ARRIVED * ARRIVED):
             if face >= 0:
-                m, face = turn_at(v, face, h // 3, -1, sleeve, m, mesh)
+                m, face = turn_at(v, face, h // 3, NONE, sleeve, m, mesh)
             window, side = pool.windows[row], mesh.sides[h]
             flip = side["aligned"] == 0
             qx = side["from_head"] if flip else side["cx"]
@@ -188,12 +187,12 @@ def _trace(start: int, end: int, distance: FloatArray, pool: Pool, mesh: Unfolde
     return m
 
 
-@njit(cache=True, nogil=True)
+@inner
 def exact_sleeve(start: int, end: int, mesh: UnfoldedMesh) -> tuple[IndexArray, float]:
     """Sleeve of the shortest path over the surface, and its length; inf where there is none."""
     distance = np.empty(len(mesh.angles))
     pool = propagate(end, start, mesh, distance)
-    sleeve = np.empty(3 * len(mesh.corners), dtype=np.int32)
+    sleeve = np.empty(3 * len(mesh.corners), dtype=np.int64)
     if distance[start] == np.inf:
         return sleeve[:0], np.inf
     m = _trace(start, end, distance, pool, mesh, sleeve)

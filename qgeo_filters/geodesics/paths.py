@@ -13,6 +13,7 @@ from tqdm.auto import tqdm
 
 from qgeo_filters.errors import DisconnectedError, MeshError
 from qgeo_filters.geodesics.initial_paths import edge_sleeve, exact_sleeve
+from qgeo_filters.geodesics.jit import ZERO
 from qgeo_filters.geodesics.metric import LiftedMetric, cartesian_metric
 from qgeo_filters.geodesics.straightening import describe, straighten, vertex_nodes
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh, unfolded
@@ -179,13 +180,13 @@ def _find(
     """Nodes of the straightened and of the first path, length of the first one (inf: none), lengths by round."""
     if exact:
         sleeve, length = exact_sleeve(start, end, mesh)
-        vertices = np.empty(0, dtype=np.int32)
+        vertices = np.empty(0, dtype=np.int64)
     else:
         sleeve, length, vertices = edge_sleeve(start, end, mesh)
     if length == np.inf:
         return vertex_nodes(vertices[:0]), vertex_nodes(vertices[:0]), length, np.empty(0)
     if exact:
-        taut, flat, _ = straighten(sleeve, start, end, tolerance, 0, mesh)
+        taut, flat, _ = straighten(sleeve, start, end, tolerance, ZERO, mesh)
         first = describe(taut, flat, start, end, mesh)
     else:
         first = vertex_nodes(vertices)
@@ -221,9 +222,9 @@ class _Finder:
         kappa = 2 * np.pi / total * (0.5 * total - right)
         return GeodesicPath(
             points=frozen(self._positions(nodes)),
-            faces=frozen(nodes["face"].copy()),
+            faces=frozen(nodes["face"].astype(np.int32)),
             barycentric=frozen(self._barycentric(nodes)),
-            vertices=frozen(nodes["vertex"].copy()),
+            vertices=frozen(nodes["vertex"].astype(np.int32)),
             length=float(lengths[-1]),
             left_angle=frozen(left.copy()),
             right_angle=frozen(right.copy()),

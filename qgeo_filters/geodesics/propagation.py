@@ -18,7 +18,7 @@ from numba import njit
 
 from qgeo_filters.geodesics.envelope import TIE, Pool, distance_at, grown_pool, insert_window, insertion_room, new_pool
 from qgeo_filters.geodesics.indexed_heap import IndexedHeap, heap_pop, heap_push, new_heap
-from qgeo_filters.geodesics.jit import kernel
+from qgeo_filters.geodesics.jit import NONE, kernel
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh
 
 FloatArray = npt.NDArray[np.float64]
@@ -118,7 +118,7 @@ def _start_from(v: int, distance: FloatArray, queue: IndexedHeap, pool: Pool, me
             return False
         length = side["length"]
         sx = side["cx"] if side["aligned"] else side["from_head"]
-        nearest, _ = insert_window(pool, target, length, 0.0, length, sx, side["cy"], sigma, -1)
+        nearest, _ = insert_window(pool, target, length, 0.0, length, sx, side["cy"], sigma, NONE)
         if nearest < np.inf:
             heap_push(queue, target, nearest)
     return True

@@ -13,29 +13,28 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
-from qgeo_filters.geodesics.jit import kernel
+from qgeo_filters.geodesics.jit import inner, kernel
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh
 
 FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int32]
+IndexArray = npt.NDArray[np.int64]
 
 # A path that passes a vertex at this fraction of the crossed edge passes through it: its length is then
 # off by the square.
 SNAP = 1e-8
 
 GATE = np.dtype(
-    [("lx", "f8"), ("ly", "f8"), ("rx", "f8"), ("ry", "f8"), ("left", "i4"), ("right", "i4")]
+    [("lx", "f8"), ("ly", "f8"), ("rx", "f8"), ("ry", "f8"), ("left", "i8"), ("right", "i8")]
 )  # fmt: skip
 NODE = np.dtype(
     [
         ("x", "f8"),  # unfolded position
         ("y", "f8"),
         ("t", "f8"),  # on an edge: where, from 0 at its left to 1 at its right end
-        ("vertex", "i4"),  # -1 on an edge
-        ("first", "i4"),  # gates that the path passes here: one at an edge, a fan of them at a vertex
-        ("last", "i4"),
+        ("vertex", "i8"),  # -1 on an edge
+        ("first", "i8"),  # gates that the path passes here: one at an edge, a fan of them at a vertex
+        ("last", "i8"),
     ]
 )
 
@@ -49,7 +48,7 @@ class FlatSleeve(NamedTuple):
     size: npt.NDArray[np.int64]  # (2,)
 
 
-@njit(cache=True, nogil=True)
+@inner
 def new_flat_sleeve(n_gates: int) -> FlatSleeve:
     """Room for a sleeve of so many gates."""
     return FlatSleeve(

@@ -10,23 +10,29 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
-from qgeo_filters.geodesics.fans import append_crossing, face_with, other_side, side_between, trimmed, walk_fan
-from qgeo_filters.geodesics.jit import kernel
+from qgeo_filters.geodesics.fans import (
+    append_crossing,
+    face_with,
+    other_side,
+    side_between,
+    trimmed,
+    walk_fan,
+)
+from qgeo_filters.geodesics.jit import NONE, ZERO, inner, kernel
 from qgeo_filters.geodesics.sleeve import FlatSleeve, new_flat_sleeve, side_angles, tighten
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh
 
 FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int32]
+IndexArray = npt.NDArray[np.int64]
 
 POINT = np.dtype(
     [
-        ("left", "i4"),  # ends of the edge crossed, equal at a vertex
-        ("right", "i4"),
+        ("left", "i8"),  # ends of the edge crossed, equal at a vertex
+        ("right", "i8"),
         ("t", "f8"),  # from 0 at the left to 1 at the right end
-        ("vertex", "i4"),  # -1 on an edge
-        ("face", "i4"),  # triangle in which the path goes on; the last point has that of the one before
+        ("vertex", "i8"),  # -1 on an edge
+        ("face", "i8"),  # triangle in which the path goes on; the last point has that of the one before
         ("left_angle", "f8"),
         ("right_angle", "f8"),
     ]
@@ -45,7 +51,7 @@ def _led_past(
     Fans that share a gate with one already led past wait for the next round.
     """
     m, n_nodes = flat.size[0], flat.size[1]
-    count = done = changes = 0
+    count, done, changes = ZERO, 0, 0
     for k in range(1, n_nodes - 1):
         node = flat.nodes[k]
         v, first, last = node["vertex"], node["first"], node["last"]
@@ -61,7 +67,7 @@ def _led_past(
         way_in = mesh.sides[sleeve[first]]["twin"]
         before = count
         if way_in // 3 != sleeve[last] // 3:
-            count, angle = walk_fan(v, other_side(way_in, v, mesh), sleeve[last] // 3, -1, out, count, mesh)
+            count, angle = walk_fan(v, other_side(way_in, v, mesh), sleeve[last] // 3, NONE, out, count, mesh)
             if angle == np.inf:  # the boundary is in the way: the path stays
                 count = before
                 continue
@@ -79,7 +85,7 @@ def _edge_length(v: int, w: int, mesh: UnfoldedMesh) -> float:
     return mesh.sides[side_between(face, v, w, mesh)]["length"]
 
 
-@njit(cache=True, nogil=True)
+@inner
 def straighten(
     sleeve: IndexArray, start: int, end: int, tolerance: float, max_rounds: int, mesh: UnfoldedMesh
 ) -> tuple[IndexArray, FlatSleeve, FloatArray]:
@@ -87,7 +93,7 @@ def straighten(
 
     Returns
     -------
-    sleeve : (m,) int32
+    sleeve : (m,) int64
         Half-edges through which the path enters one triangle after the other; empty where the path is an edge.
     flat : FlatSleeve
         The same laid flat, with the nodes of the path.
@@ -98,7 +104,7 @@ def straighten(
     flat = new_flat_sleeve(len(sleeve))
     lengths[0] = tighten(sleeve, start, flat, mesh) if len(sleeve) else _edge_length(start, end, mesh)
     rounds = 1
-    room = np.empty(len(sleeve) + 2 * len(mesh.corners), dtype=np.int32)
+    room = np.empty(len(sleeve) + 2 * len(mesh.corners), dtype=np.int64)
     while rounds <= max_rounds and len(sleeve):
         m, changes = _led_past(sleeve, flat, tolerance, mesh, room)
         if changes == 0:
@@ -114,7 +120,7 @@ def straighten(
     return sleeve, flat, lengths[:rounds].copy()
 
 
-@njit(cache=True, nogil=True)
+@inner
 def vertex_nodes(vertices: IndexArray) -> npt.NDArray[np.void]:
     """Nodes of a path along edges, of dtype POINT; without faces and angles."""
     out = np.zeros(len(vertices), dtype=POINT)
@@ -123,11 +129,11 @@ def vertex_nodes(vertices: IndexArray) -> npt.NDArray[np.void]:
     return out
 
 
-@njit(cache=True, nogil=True)
+@inner
 def describe(sleeve: IndexArray, flat: FlatSleeve, start: int, end: int, mesh: UnfoldedMesh) -> npt.NDArray[np.void]:
     """Nodes of a path, shape (p,), of dtype POINT."""
     if len(sleeve) == 0:
-        out = vertex_nodes(np.array([start, end], dtype=np.int32))
+        out = vertex_nodes(np.array([start, end], dtype=np.int64))
         out[0]["face"] = out[1]["face"] = face_with(start, end, mesh)
         return out
     count = flat.size[1]

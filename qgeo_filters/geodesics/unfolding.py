@@ -10,7 +10,7 @@ import numpy.typing as npt
 from qgeo_filters.geodesics.metric import IntrinsicMesh
 
 FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int32]
+IndexArray = npt.NDArray[np.int64]
 
 # Slack of the tests "angle at least 2 pi" (inside) and "at least pi" (boundary), radians. Taking too many
 # vertices for ones where a shortest path may bend costs time and never accuracy; on a flat mesh it closes
@@ -25,10 +25,9 @@ SIDE = np.dtype(
         ("cx", "f8"),  # the apex
         ("cy", "f8"),
         ("from_head", "f8"),  # length - cx, without cancellation
-        ("tail", "i4"),  # first vertex
-        ("twin", "i4"),  # half-edge across, -1 on the boundary
-        ("aligned", "i4"),  # whether the twin starts at the same vertex, as where the orientation flips
-        ("_", "i4", 5),
+        ("tail", "i8"),  # first vertex
+        ("twin", "i8"),  # half-edge across, -1 on the boundary
+        ("aligned", "i8"),  # whether the twin starts at the same vertex, as where the orientation flips
     ]
 )
 
@@ -44,8 +43,8 @@ class UnfoldedMesh(NamedTuple):
     angles: FloatArray  # (n,) total angle about each vertex
     boundary: npt.NDArray[np.bool_]  # (n,)
     bends: npt.NDArray[np.bool_]  # (n,) a shortest path may bend here: saddle, flat, or reflex on the boundary
-    corner_start: IntArray  # (n + 1,) corners of vertex v are corners[corner_start[v]:corner_start[v + 1]]
-    corners: IntArray  # (3 m,) as 3 f + k
+    corner_start: IndexArray  # (n + 1,) corners of vertex v are corners[corner_start[v]:corner_start[v + 1]]
+    corners: IndexArray  # (3 m,) as 3 f + k
 
 
 def triangle_doubled_areas(lengths: FloatArray) -> FloatArray:
@@ -116,6 +115,6 @@ def unfolded(mesh: IntrinsicMesh) -> UnfoldedMesh:
     collapsed = lengths <= SHORT * lengths.max(axis=1, keepdims=True)
     bends[faces[collapsed]] = True
     bends[np.roll(faces, -1, axis=1)[collapsed]] = True
-    corners = np.argsort(sides["tail"], kind="stable").astype(np.int32)
+    corners = np.argsort(sides["tail"], kind="stable")
     start = np.concatenate([[0], np.cumsum(np.bincount(sides["tail"], minlength=mesh.n_vertices))])
-    return UnfoldedMesh(sides, angles, boundary, bends, start.astype(np.int32), corners)
+    return UnfoldedMesh(sides, angles, boundary, bends, start, corners)

@@ -38,12 +38,12 @@ def surfaces(draw):
 @settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
 @given(surfaces())
 def test_exact_equals_pygeodesic(surface):
-    surface = split_fans(surface)  # faces left out make fans that touch in a vertex only
+    # Faces left out make fans that touch in a vertex only, and pieces: pygeodesic reads beyond its arrays there.
+    surface = split_fans(surface).largest_component()[0]
     solver = pygeodesic.PyGeodesicAlgorithmExact(surface.vertices, surface.faces)
     sources = np.arange(0, surface.n_vertices, 1 + surface.n_vertices // 6)
     for source, ours in zip(sources, distances(surface, sources, method="exact"), strict=True):
         theirs = np.asarray(solver.geodesicDistances([int(source)], None)[0])
-        theirs[theirs > 1e90] = np.inf
         np.testing.assert_allclose(ours, theirs, rtol=1e-8, atol=1e-9)
 
 
