@@ -1,0 +1,74 @@
+"""Shapes for the widgets, and the servers and the browser that all browser tests share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import browser as tools
+import igl
+import numpy as np
+import pytest
+import shapes
+from ipywidgets import Widget
+
+from qgeo_filters import Surface
+
+
+@pytest.fixture(scope="session")
+def pair() -> tuple[Surface, Surface, np.ndarray]:
+    """A shape without symmetry, the same turned, scaled, with its vertices shuffled, and the true map."""
+    vertices, faces = shapes.blob(2, seed=3)
+    shuffle = np.random.default_rng(0).permutation(len(vertices))
+    where = np.argsort(shuffle)
+    turn = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+    x = Surface(vertices, faces, {"height": vertices[:, 2]})
+    y = Surface(3.0 * vertices[shuffle] @ turn.T + 1.0, where[faces])
+    return x, y, where
+
+
+@pytest.fixture(scope="session")
+def fine() -> Surface:
+    """A shape of 40962 vertices."""
+    return Surface(*igl.upsample(*shapes.blob(5, seed=1)))
+
+
+@pytest.fixture
+def counted() -> Iterator[Any]:
+    """How many more widgets are open than when the test began."""
+    from ipywidgets.widgets.widget import _instances
+
+    before = set(_instances)
+    yield lambda: len(set(_instances) - before)
+    for key in set(_instances) - before:
+        Widget.close(_instances[key])
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Any]:
+    """A headless Chromium; the test is skipped, saying so, where there is none."""
+    sync_api = pytest.importorskip("playwright.sync_api", reason="browser tests need playwright")
+    path = tools.chromium()
+    if path is None:
+        pytest.skip("browser tests need chromium: apt-get install chromium")
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, headless=True, args=tools.CHROMIUM_FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def lab(chromium: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tools.Server]:
+    """One JupyterLab for all browser tests."""
+    pytest.importorskip("jupyterlab", reason="browser tests need jupyterlab")
+    server = tools.lab(tmp_path_factory.mktemp("lab"))
+    yield server
+    server.stop()
+
+
+@pytest.fixture
+def page(chromium: Any) -> Iterator[Any]:
+    """A fresh page of 1280 x 1000 pixels."""
+    context = chromium.new_context(viewport={"width": 1280, "height": 1000})
+    yield context.new_page()
+    context.close()

@@ -1,0 +1,151 @@
+"""The viewer without a browser: what it would send, what it makes of clicks, and that closing frees it."""
+
+from __future__ import annotations
+
+import gc
+import weakref
+
+import numpy as np
+import pytest
+import shapes
+
+from qgeo_filters import Surface
+from qgeo_widgets.frames import aligned_frame, frame_of
+from qgeo_widgets.viewer import Viewer
+
+
+@pytest.fixture
+def viewer(pair):
+    x, y, _ = pair
+    viewer = Viewer([x, y], [frame_of(x), frame_of(y)], (300, 200), ["X", "Y"])
+    yield viewer
+    viewer.close()
+
+
+def click(pane, vertex: int) -> None:
+    """What the browser sends for a click on the surface beside a vertex."""
+    face = pane.surface.faces[(pane.surface.faces == vertex).any(axis=1)][0]
+    points = pane.frame.to_scene(pane.surface.vertices)
+    place = 0.8 * points[vertex] + 0.2 * points[face].mean(axis=0)
+    pane.picker.set_state({"faceIndex": 0, "face": face.astype(float).tolist(), "point": place.tolist()})
+
+
+def test_frames_make_shapes_of_one_size(pair):
+    for surface in pair[:2]:
+        placed = surface.with_vertices(frame_of(surface).to_scene(surface.vertices))
+        assert placed.area == pytest.approx(1.0)
+        np.testing.assert_allclose(placed.vertices.min(axis=0), -placed.vertices.max(axis=0), atol=1e-12)
+
+
+def test_aligned_frame_undoes_a_rotation_but_never_mirrors(pair):
+    x, y, where = pair
+    target = frame_of(x).to_scene(x.vertices)
+    seen = aligned_frame(y, y.vertices[where], target)
+    np.testing.assert_allclose(np.linalg.det(seen.axes), 1.0)
+    np.testing.assert_allclose(seen.to_scene(y.vertices[where]), target, atol=1e-9)
+    mirrored = aligned_frame(y, y.vertices[where] * [-1, 1, 1], target)
+    np.testing.assert_allclose(np.linalg.det(mirrored.axes), 1.0)
+
+
+def test_colors_are_sent_once_and_only_if_they_changed(viewer):
+    pane = viewer.panes[0]
+    sent = []
+    pane._color_attribute.observe(lambda change: sent.append(change["new"]), "array")
+    red = np.tile([1.0, 0.0, 0.0], (pane.surface.n_vertices, 1))
+    assert pane.set_colors(red)
+    assert not pane.set_colors(red.copy())
+    assert len(sent) == 1
+    np.testing.assert_array_equal(sent[0], red.astype(np.float32))
+    with pytest.raises(ValueError, match="colors have shape"):
+        pane.set_colors(red[:-1])
+
+
+def test_a_click_gives_the_nearest_vertex_of_the_right_pane(viewer):
+    seen = []
+    viewer.on_pick(lambda pane, vertex: seen.append((pane, vertex)))
+    click(viewer.panes[1], 17)
+    click(viewer.panes[0], 40)
+    assert seen == [(1, 17), (0, 40)]
+
+
+def test_a_click_beside_the_surface_is_none(viewer):
+    seen = []
+    viewer.on_pick(lambda pane, vertex: seen.append(vertex))
+    viewer.panes[0].picker.set_state({"faceIndex": None, "face": [0, 0, 0], "point": [0, 0, 0]})
+    viewer.panes[0].picker.set_state({"faceIndex": None, "face": [0, 0, 0], "point": [0, 0, 1]})
+    assert seen == []
+
+
+def test_a_click_that_ends_a_drag_is_none(viewer, monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr("qgeo_widgets.viewer.time.monotonic", lambda: now[0])
+    seen = []
+    viewer.on_pick(lambda pane, vertex: seen.append(vertex))
+    viewer._camera.set_state({"position": [1.0, 2.0, 3.0]})
+    now[0] += 0.05
+    click(viewer.panes[0], 3)
+    assert seen == []
+    now[0] += 5.0
+    click(viewer.panes[0], 4)
+    assert seen == [4]
+
+
+def test_both_panes_share_camera_and_controls(viewer):
+    first, second = (pane.renderer for pane in viewer.panes)
+    assert first.camera is second.camera
+    assert first.controls[0] is second.controls[0]
+
+
+def test_camera_is_checked_and_reset(viewer):
+    home = viewer.camera
+    viewer.camera = (1, 2, 3)
+    assert viewer.camera == (1.0, 2.0, 3.0)
+    axes = viewer.view_axes()
+    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(axes[2], np.array([1, 2, 3]) / np.sqrt(14))
+    viewer.reset()
+    assert viewer.camera == home
+    for bad in ((0, 0, 0), (1, 2), (np.nan, 0, 1)):
+        with pytest.raises(ValueError, match="camera must be three finite numbers"):
+            viewer.camera = bad
+
+
+def test_lines_and_marks_replace_each_other(viewer):
+    pane = viewer.panes[0]
+    before = len(pane._scene.children)
+    for points in (np.eye(3), np.eye(3)[:2], np.eye(3)):
+        pane.set_line("path", points)
+        pane.set_mark("end", points[-1])
+    assert len(pane._scene.children) == before + 2
+    pane.set_line("path", None)
+    pane.set_mark("end", None)
+    assert len(pane._scene.children) == before + 1  # the ball waits, hidden
+    assert pane.marks == {}
+    assert pane.lines == {}
+
+
+def test_a_line_of_one_point_is_none(viewer):
+    viewer.panes[0].set_line("path", np.zeros((1, 3)))
+    assert viewer.panes[0].lines == {}
+
+
+def test_closing_frees_every_widget_and_the_surface(counted):
+    surface = Surface(*shapes.blob(2))
+    viewer = Viewer([surface], [frame_of(surface)], (300, 200), ["X"])
+    viewer.panes[0].set_line("path", surface.vertices[:5])
+    viewer.panes[0].set_line("path", surface.vertices[:7])
+    viewer.panes[0].set_mark("end", surface.vertices[0])
+    viewer.on_pick(lambda pane, vertex: None)
+    assert counted() > 20
+    alive = weakref.ref(surface)
+    viewer.close()
+    assert counted() == 0
+    del viewer, surface
+    gc.collect()
+    assert alive() is None
+
+
+def test_no_more_than_two_canvases(pair):
+    x = pair[0]
+    with pytest.raises(ValueError, match="one or two canvases"):
+        Viewer([x] * 3, [frame_of(x)] * 3, (300, 200), ["a", "b", "c"])

@@ -1,0 +1,101 @@
+"""What colours the shapes: numbers through a scale with a legend, or colours that mean places."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.report.colors import ColorScale, distinct, diverging, sequential
+from qgeo_widgets.legend import color_bar, swatches
+
+FloatArray = npt.NDArray[np.float64]
+Limits = tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class ScalarField:
+    """A number at each vertex of each pane.
+
+    Attributes
+    ----------
+    values : sequence of (n,) float64
+        One array for each pane; grey where not finite.
+    label : str
+        Name and unit.
+    signed : bool
+        Whether the scale is centred on zero.
+    """
+
+    values: Sequence[FloatArray]
+    label: str
+    signed: bool = False
+
+    @property
+    def bounds(self) -> Limits | None:
+        """Smallest and largest finite value, symmetric about zero if signed; None without any."""
+        joined = np.concatenate([np.ravel(v) for v in self.values])
+        finite = joined[np.isfinite(joined)]
+        if not finite.size:
+            return None
+        if self.signed:
+            top = float(np.abs(finite).max())
+            return -top, top
+        return float(finite.min()), float(finite.max())
+
+    def scale(self, limits: Limits | None) -> ColorScale:
+        """Colour scale between the limits, or the automatic ones."""
+        joined = np.concatenate([np.ravel(v) for v in self.values])
+        scale = diverging(joined) if self.signed else sequential(joined)
+        return scale if limits is None else replace(scale, low=limits[0], high=limits[1])
+
+    def colors(self, limits: Limits | None) -> list[FloatArray]:
+        """RGB of every vertex, one array for each pane."""
+        scale = self.scale(limits)
+        return [scale(values) for values in self.values]
+
+    def legend(self, limits: Limits | None) -> str:
+        """Colour bar with ticks as HTML."""
+        missing = any(not np.isfinite(values).all() for values in self.values)
+        return color_bar(self.scale(limits), self.label, missing=missing)
+
+
+@dataclass(frozen=True, eq=False)
+class ColorField:
+    """A colour at each vertex of each pane, explained in a sentence."""
+
+    rgb: Sequence[FloatArray]
+    label: str
+    key: Sequence[tuple[FloatArray, str]] = ()
+
+    bounds: None = None
+
+    def colors(self, limits: Limits | None) -> list[FloatArray]:
+        """The colours themselves; they have no limits."""
+        return list(self.rgb)
+
+    def legend(self, limits: Limits | None) -> str:
+        """The sentence as HTML, with swatches where there is a key."""
+        return swatches(self.label, self.key)
+
+
+Field = ScalarField | ColorField
+
+
+def region_field(labels: Sequence[npt.NDArray[np.integer]], label: str) -> ColorField:
+    """Field of numbered regions, equal numbers in equal colours; grey where the number is negative."""
+    count = int(max(int(numbers.max(initial=-1)) for numbers in labels)) + 1
+    palette = np.vstack([distinct(count), np.full((1, 3), 0.62)])
+    rgb = [palette[np.where(numbers < 0, count, numbers)] for numbers in labels]
+    loose = any((numbers < 0).any() for numbers in labels)
+    key = [(palette[k], str(k)) for k in range(min(count, 24))] + ([(palette[count], "none")] if loose else [])
+    return ColorField(rgb, label, key)
+
+
+def number_field(values: Sequence[FloatArray], label: str) -> ScalarField:
+    """Field whose scale is centred on zero where both signs occur."""
+    joined = np.concatenate([np.ravel(v) for v in values])
+    finite = joined[np.isfinite(joined)]
+    return ScalarField(values, label, bool(finite.size and finite.min() < 0 < finite.max()))

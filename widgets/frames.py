@@ -1,0 +1,71 @@
+"""Where shapes stand in a scene: centred, upright, of one size, and seen from the same side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.report.view import best_view
+from qgeo_filters.surface import Surface
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """Similarity from a surface's own coordinates to those of a scene, where sqrt(area) is 1.
+
+    Attributes
+    ----------
+    center : (3,) float64
+        Goes to the origin.
+    axes : (3, 3) float64
+        Rotation; its rows point right, up and towards the viewer.
+    scale : float
+    """
+
+    center: FloatArray
+    axes: FloatArray
+    scale: float
+
+    def to_scene(self, points: npt.ArrayLike) -> FloatArray:
+        """Points (..., 3) in the scene."""
+        return (np.asarray(points, dtype=np.float64) - self.center) @ self.axes.T * self.scale
+
+    def turned(self) -> Frame:
+        """The same frame after half a turn about the scene's vertical axis: the back of the shape."""
+        return Frame(self.center, np.diag([-1.0, 1.0, -1.0]) @ self.axes, self.scale)
+
+
+def frame_of(surface: Surface) -> Frame:
+    """Frame that shows the surface upright, from three quarters and a little from above."""
+    return _centered(surface, best_view(surface.vertices, surface.faces).axes)
+
+
+def aligned_frame(surface: Surface, points: npt.ArrayLike, targets: npt.ArrayLike) -> Frame:
+    """Frame in which points of the surface lie as near as a rotation can bring them to targets in the scene.
+
+    Parameters
+    ----------
+    surface : Surface
+    points, targets : array-like, shape (p, 3)
+        In the surface's coordinates, and in the scene's.
+
+    References
+    ----------
+    Kabsch, "A solution for the best rotation to relate two sets of vectors", Acta Cryst. A32, 1976.
+    """
+    source = np.asarray(points, dtype=np.float64)
+    target = np.asarray(targets, dtype=np.float64)
+    u, _, vt = np.linalg.svd((target - target.mean(axis=0)).T @ (source - source.mean(axis=0)))
+    axes = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))]) @ vt
+    return _centered(surface, axes)
+
+
+def _centered(surface: Surface, axes: FloatArray) -> Frame:
+    """Frame with these axes whose origin is the middle of the box around what has faces."""
+    used = surface.vertices[np.unique(surface.faces)] @ axes.T
+    center = axes.T @ (0.5 * (used.min(axis=0) + used.max(axis=0)))
+    return Frame(center, axes, 1.0 / np.sqrt(surface.area) if surface.area > 0 else 1.0)

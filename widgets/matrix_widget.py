@@ -1,0 +1,202 @@
+"""The widget of the distance matrix: rows of the matrix as functions on the shape (paper, Fig. 1)."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import ipywidgets
+import numpy as np
+import numpy.typing as npt
+import traitlets
+
+from qgeo_filters.geodesics.matrix import distances
+from qgeo_filters.report.charts import matrix_order
+from qgeo_filters.report.colors import ordered_colors, sequential
+from qgeo_widgets import controls
+from qgeo_widgets.base import ATTRIBUTE, ShapeWidget
+from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field
+from qgeo_widgets.frames import frame_of
+from qgeo_widgets.legend import css
+from qgeo_widgets.matrix_pane import MatrixPane
+from qgeo_widgets.shape import Shape
+from qgeo_widgets.viewer import Viewer
+
+DISTANCE = "distances of the row"
+ORDER = "where the rows are"
+_ROWS = 600  # as many as the picture has pixels
+
+
+class MatrixWidget(ShapeWidget):
+    """The matrix of quasi-geodesic distances beside the shape; see `qgeo_widgets.matrix`.
+
+    Attributes
+    ----------
+    row : int
+        Row of the picture that is shown on the shape, -1 for none. Follows the mouse over the matrix.
+    picked : int or None
+        The vertex whose distances are shown: that of the row, or one that was clicked on the shape.
+    """
+
+    _page_title = "Distance matrix"
+    row = traitlets.Int(-1)
+    picked = traitlets.Int(None, allow_none=True)
+
+    def __init__(self, mesh: Any, *, curvature_weight: float, matrix: npt.ArrayLike | None, size: int) -> None:
+        super().__init__()
+        with self._guarded():
+            shape = Shape(mesh, "X", curvature_weight)
+            self._shape = shape
+            sample = _evenly(shape.surface.n_vertices, _ROWS)
+            table = _checked_rows(matrix, sample, shape)
+            order = matrix_order(table[:, sample])
+            self._vertex_of_row = sample[order]
+            self._table = table[order]
+            self._row_of_vertex = {int(v): r for r, v in enumerate(self._vertex_of_row)}
+            square = self._table[:, self._vertex_of_row]
+            image = np.rint(255 * sequential(square)(square)).astype(np.uint8)
+            viewer = Viewer([shape.surface], [frame_of(shape.surface)], (size, size), [_title(shape)])
+            self._pane = MatrixPane(image, size)
+            self._modes = {DISTANCE: self._distance_field, ORDER: self._order_field}
+            for name in shape.surface.attributes:
+                self._modes[ATTRIBUTE + name] = partial(self._attribute_field, name)
+            self._pane.on_hover(lambda row, column: self.set_trait("row", row))
+            self._pane.on_click(self._entry)
+            viewer.on_pick(lambda _, vertex: self.set_trait("picked", vertex))
+            title = f"distances between {len(sample)} of {shape.surface.n_vertices} vertices, neighbours side by side"
+            strip = ipywidgets.HTML(_strip(len(sample), size))
+            matrix_side = ipywidgets.VBox(
+                [ipywidgets.HTML(title), ipywidgets.HBox([strip, self._pane.widget])],
+                layout={"overflow": "visible", "margin": "0 6px 4px 0"},
+            )
+            viewer.widget.children = [viewer.widget.children[0], matrix_side, *viewer.widget.children[1:]]
+            self._assemble(viewer, ["shape"], ORDER)
+            self.observe(self._row_chosen, "row")
+            self.observe(self._vertex_chosen, "picked")
+            self._info.value = controls.table([["Move over the matrix, or click on the shape."]])
+
+    def _ready(self, mode: str) -> bool:
+        return mode != DISTANCE or self.picked is not None
+
+    def _columns(self) -> int:
+        name = str(self.mode)
+        return self._shape.columns(name.removeprefix(ATTRIBUTE)) if name.startswith(ATTRIBUTE) else 1
+
+    # -- choosing -----------------------------------------------------------------------------------
+
+    @traitlets.validate("row")
+    def _valid_row(self, proposal: Any) -> int:
+        row = proposal["value"]
+        if self._viewer is not None and not -1 <= row < len(self._table):
+            raise traitlets.TraitError(f"row must be -1 or one of the {len(self._table)} rows, got {row}")
+        return row
+
+    @traitlets.validate("picked")
+    def _valid_vertex(self, proposal: Any) -> int | None:
+        vertex = proposal["value"]
+        if vertex is not None and self._viewer is not None and not 0 <= vertex < self._shape.surface.n_vertices:
+            raise traitlets.TraitError(f"picked must be one of {self._shape.surface.n_vertices} vertices, got {vertex}")
+        return vertex
+
+    def _row_chosen(self, change: Any) -> None:
+        if change["new"] >= 0 and self._row_of_vertex.get(self.picked if self.picked is not None else -1) != self.row:
+            self.picked = int(self._vertex_of_row[self.row])
+
+    def _vertex_chosen(self, change: Any) -> None:
+        if self._viewer is None:
+            return
+        vertex = self.picked
+        if vertex is None:
+            self._viewer.panes[0].set_mark("picked", None)
+            self._refresh(new_mode=True)
+            return
+        nearest = self._row_of_vertex.get(vertex)
+        if nearest is None:
+            nearest = int(self._table[:, vertex].argmin())
+        self.row = nearest
+        self._pane.show(nearest)
+        self._viewer.panes[0].set_mark("picked", self._shape.surface.vertices[vertex])
+        if self.mode == DISTANCE:
+            self._refresh()
+        else:
+            self.mode = DISTANCE
+        if self._field is not None and not self.message:
+            self._describe(vertex)
+
+    def _entry(self, row: int, column: int) -> None:
+        """A click on an entry of the matrix: both of its vertices are marked."""
+        if self._viewer is None:
+            return
+        self.row = row
+        other = int(self._vertex_of_row[column])
+        self._pane.show(row, column)
+        self._viewer.panes[0].set_mark("other", self._shape.surface.vertices[other], (0.98, 0.75, 0.18))
+        length = self._table[row, other]
+        self._describe(int(self._vertex_of_row[row]), [("entry", f"d({self.picked}, {other}) = {length:.4f} √area")])
+
+    def _describe(self, vertex: int, more: Any = ()) -> None:
+        field = self._distances(vertex)
+        reached = field[np.isfinite(field)]
+        rows = [("vertex", str(vertex)), ("row", str(self.row)), ("farthest", f"{reached.max():.4f} √area")]
+        self._info.value = controls.table([*rows, *self._shape.described(vertex), *more])
+
+    # -- colours ------------------------------------------------------------------------------------
+
+    def _distances(self, vertex: int) -> npt.NDArray[np.float64]:
+        row = self._row_of_vertex.get(vertex)
+        return self._shape.distances_from(vertex) if row is None else self._table[row].astype(np.float64)
+
+    def _distance_field(self) -> Field:
+        if self.picked is None:
+            raise ValueError("Move over the matrix or click on the shape: the distances of that vertex are then shown.")
+        return ScalarField([self._distances(self.picked)], f"distance from vertex {self.picked} / √area")
+
+    def _order_field(self) -> Field:
+        nearest = self._table.argmin(axis=0)
+        label = "each point has the colour of the strip beside the matrix at its row"
+        return ColorField([ordered_colors(len(self._table))[nearest]], label)
+
+    def _attribute_field(self, name: str) -> Field:
+        return number_field([self._shape.attribute(name, self.k)], name)
+
+    def _page_extras(self) -> dict[str, Any]:
+        from qgeo_widgets.export import matrix_data
+
+        strip = _strip(len(self._table), self._pane.size)
+        title = f"distances between {len(self._table)} vertices"
+        data = matrix_data(self._pane.image, self._table, self._vertex_of_row, strip, title)
+        return {"matrix": data, "hint": "Move over the matrix to see its rows on the shape; click on the shape."}
+
+    def close(self) -> None:
+        """Free everything, here and in the browser."""
+        if self._viewer is not None:
+            self._pane.close()
+        super().close()
+
+
+def _checked_rows(matrix: npt.ArrayLike | None, sample: npt.NDArray[np.int64], shape: Shape) -> npt.NDArray[np.float32]:
+    """Distances from the sample to all vertices, in units of sqrt(area)."""
+    n = shape.surface.n_vertices
+    if matrix is None:
+        rows = distances(shape.surface, sample, shape.metric)
+    else:
+        given = np.asarray(matrix)
+        if given.shape != (n, n):
+            raise ValueError(f"the matrix has shape {given.shape}, but the mesh has {n} vertices")
+        rows = given[sample]
+    return (rows / shape.unit).astype(np.float32)
+
+
+def _evenly(count: int, most: int) -> npt.NDArray[np.int64]:
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
+
+
+def _title(shape: Shape) -> str:
+    return f"<b>shape</b>, {shape.surface.n_vertices} vertices"
+
+
+def _strip(count: int, height: int) -> str:
+    """The colours of the rows as a strip as high as the picture of the matrix."""
+    colors = ordered_colors(count)[np.linspace(0, count - 1, 40).round().astype(int)]
+    gradient = ", ".join(map(css, colors))
+    return f'<div style="width:12px;height:{height}px;margin:1px 4px 0 0;background:linear-gradient({gradient})"></div>'
