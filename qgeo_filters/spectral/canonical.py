@@ -27,14 +27,29 @@ def canonical_signs(functions: npt.ArrayLike, areas: npt.ArrayLike) -> FloatArra
     :math:`\int |\phi|^3 dA`, the first vertex whose absolute value reaches 99 % of the largest
     becomes positive. That rule depends on the numbering.
     """
+    scaled, moment, _ = _moments(functions, areas)
+    first = (np.abs(scaled) >= _NEAR_LARGEST).argmax(axis=0)
+    at_first = scaled[first, np.arange(scaled.shape[1])]
+    return np.where(np.where(is_antisymmetric(functions, areas), at_first, moment) < 0, -1.0, 1.0)
+
+
+def is_antisymmetric(functions: npt.ArrayLike, areas: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+    r"""Whether each column of functions (n, k) may change sign under a symmetry of the surface, shape (k,).
+
+    True where :math:`|\int \phi^3 dA| \le .05 \int |\phi|^3 dA`: necessary for a function that some symmetry
+    maps to its negative, and not sufficient.
+    """
+    _, moment, absolute = _moments(functions, areas)
+    return np.abs(moment) <= _SKEWED * absolute
+
+
+def _moments(functions: npt.ArrayLike, areas: npt.ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Columns scaled to largest absolute value 1, and their third moment and absolute third moment."""
     phi = np.asarray(functions, dtype=np.float64)
-    weights = np.asarray(areas, dtype=np.float64)[:, None]
+    weights = np.asarray(areas, dtype=np.float64)
     largest = np.abs(phi).max(axis=0, initial=0.0)
     scaled = np.divide(phi, largest, out=np.zeros_like(phi), where=largest > 0)
-    moment, absolute = (weights * scaled**3).sum(axis=0), (weights * np.abs(scaled) ** 3).sum(axis=0)
-    first = (np.abs(scaled) >= _NEAR_LARGEST).argmax(axis=0)
-    at_first = scaled[first, np.arange(phi.shape[1])]
-    return np.where(np.where(np.abs(moment) > _SKEWED * absolute, moment, at_first) < 0, -1.0, 1.0)
+    return scaled, weights @ scaled**3, weights @ np.abs(scaled) ** 3
 
 
 def group_multiplets(eigenvalues: npt.ArrayLike, gap: float = MULTIPLET_GAP) -> tuple[tuple[int, ...], ...]:
