@@ -17,17 +17,14 @@ from qgeo_filters.geodesics.lanes import LANES, aligned_block
 from qgeo_filters.geodesics.layout import layout_of
 from qgeo_filters.geodesics.metric import IntrinsicMesh, LiftedMetric, cartesian_metric
 from qgeo_filters.geodesics.rows import merged, transposed
-from qgeo_filters.geodesics.sweeps import relax, write_rows
+from qgeo_filters.geodesics.sweeps import relax, write_near, write_rows
+from qgeo_filters.geodesics.ticks import ROUNDING, Ticks, in_ticks
 from qgeo_filters.geodesics.windows import look_from
 from qgeo_filters.surface import Surface
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
 
-# Whole numbers of ticks that no path exceeds: sums are then exact, in 32 bits or in the mantissa of a float64.
-_SPAN = {np.dtype(np.int32): 2.0**30, np.dtype(np.float64): 2.0**52}
-# Of the accuracy, the share that is kept for rounding lengths up to ticks.
-_ROUNDING = 0.02
 # Width of a band of distance, in mean edge lengths: narrow enough for one pass to do nearly all.
 _BAND = 0.25
 # Vertices that one task looks from when the graph is built.
@@ -46,16 +43,14 @@ class GeodesicGraph:
     ----------
     vertex, place : (n,) int32
         Vertex at each place, and place of each vertex.
-    start, neighbour, length : (n + 1,), (g,), (g,)
-        The graph in compressed rows; lengths in ticks, whole numbers in int32 or float64.
+    start, neighbour : (n + 1,), (g,)
+        The graph in compressed rows.
     mesh_start, mesh_neighbour, mesh_length : (n + 1,), (2E,), (2E,)
         The edges of the mesh in compressed rows.
     band, n_bands : float, int
         Width and number of the bands of distance in whose order vertices are swept.
-    tick : float
-        Unit of ``length`` in the unit of the metric.
-    unreached : float
-        Path length, in ticks, of what no path leads to.
+    ticks : Ticks
+        Lengths of the graph's edges as whole numbers.
     accuracy : float
         Bound on the relative error.
     """
@@ -64,14 +59,12 @@ class GeodesicGraph:
     place: IntArray
     start: npt.NDArray[np.int64]
     neighbour: IntArray
-    length: np.ndarray
     mesh_start: IntArray
     mesh_neighbour: IntArray
     mesh_length: FloatArray
     band: float
     n_bands: int
-    tick: float
-    unreached: float
+    ticks: Ticks
     accuracy: float
 
     @property
@@ -84,20 +77,21 @@ class GeodesicGraph:
 
         Sources that follow each other should be close together: so are `vertex`'s.
         """
-        n = self.n_vertices
-        block = aligned_block(n, self.length.dtype)
+        n, ticks = self.n_vertices, self.ticks
+        block = aligned_block(n, ticks.length.dtype)
         order, distance, awake = np.empty(n, np.int32), np.empty(n), np.empty(n, np.bool_)
         head, following = np.empty(self.n_bands + 1, np.int32), np.empty(len(self.mesh_neighbour), np.int32)
         for first in range(0, len(sources), LANES):
-            part = self.place[sources[first : first + LANES]]
-            block.fill(self.unreached)
+            part, some = self.place[sources[first : first + LANES]], rows[first : first + LANES]
+            block.fill(ticks.unreached)
             block[part, np.arange(len(part))] = 0
             count = band_order(
                 self.mesh_start, self.mesh_neighbour, self.mesh_length, self.band, part,
                 order, distance, awake, head, following,
             )  # fmt: skip
-            relax(self.start, self.neighbour, self.length, order[:count], block, awake)
-            write_rows(block, self.unreached, self.place, self.tick, out, rows[first : first + LANES])
+            relax(self.start, self.neighbour, ticks.length, order[:count], block, awake)
+            write_rows(block, ticks.unreached, self.place, ticks.tick, out, some)
+            write_near(ticks.near_start, ticks.near, ticks.near_length, self.vertex, part, out, some)
 
 
 def geodesic_graph(mesh: IntrinsicMesh, accuracy: float = 1e-3, *, workers: int = 1) -> GeodesicGraph:
@@ -129,16 +123,16 @@ def geodesic_graph(mesh: IntrinsicMesh, accuracy: float = 1e-3, *, workers: int 
     place[vertex] = np.arange(len(vertex), dtype=vertex.dtype)
     mesh_rows = edges[vertex][:, vertex]
     # The error of many steps is eps + eps^2, that of rounding to ticks comes on top.
-    epsilon = accuracy * (1 - 2 * _ROUNDING)
+    epsilon = accuracy * (1 - 3 * ROUNDING) / (1 + accuracy)
     counts, ends, lengths = _look(mesh, vertex, epsilon, bound, workers)
-    length, tick, unreached = _in_ticks(lengths, bound, accuracy)
-    backward = transposed(np.concatenate([[0], np.cumsum(counts)]), place[ends], length)
+    backward = transposed(np.concatenate([[0], np.cumsum(counts)]), place[ends], lengths)
     start, neighbour, length = merged(*transposed(*backward), *backward)
+    ticks = in_ticks(start, neighbour, length, bound, accuracy)
     band = max(_BAND * float(mesh_rows.data.mean()), bound / (4 * len(vertex))) or 1.0
     n_bands = int(bound / band) + 1
     return GeodesicGraph(
-        vertex, place, start, neighbour, length,
-        mesh_rows.indptr, mesh_rows.indices, mesh_rows.data, band, n_bands, tick, unreached, accuracy,
+        vertex, place, start, neighbour,
+        mesh_rows.indptr, mesh_rows.indices, mesh_rows.data, band, n_bands, ticks, accuracy,
     )  # fmt: skip
 
 
@@ -168,17 +162,3 @@ def _look(
     with ThreadPoolExecutor(workers) as pool:
         counts, ends, lengths = zip(*pool.map(task, range(0, len(vertex), _CHUNK)), strict=True)
     return np.concatenate(counts), np.concatenate(ends), np.concatenate(lengths)
-
-
-def _in_ticks(lengths: FloatArray, bound: float, accuracy: float) -> tuple[np.ndarray, float, float]:
-    """Lengths rounded up to whole ticks, the tick, and a number of ticks that no path reaches.
-
-    In 32 bits where the shortest edge is then long enough, with 52 bits where edges differ too much in length.
-    """
-    positive = lengths[lengths > 0]
-    shortest = float(positive.min()) if positive.size else 1.0
-    narrow, wide = np.dtype(np.int32), np.dtype(np.float64)
-    dtype = narrow if bound / _SPAN[narrow] <= shortest * accuracy * _ROUNDING else wide
-    # Rounding up may add a tick to each step of a path: hence the room above the bound.
-    tick = 1.001 * bound / _SPAN[dtype] if bound > 0 else 1.0
-    return np.ceil(lengths / tick).astype(dtype), tick, _SPAN[dtype]

@@ -1,7 +1,7 @@
-"""Vector instructions for Numba: one row of sixteen path lengths against all its neighbours' rows.
+"""Vector instructions for Numba: one row of 32 path lengths against all its neighbours' rows.
 
-Numba leaves the minimum over neighbours in memory and turns it over lane by lane; here the sixteen lanes
-stay in registers (one of AVX-512, two of AVX2, four of SSE or NEON: LLVM splits them as the machine has it).
+Numba leaves the minimum over neighbours in memory and turns it over lane by lane; here all lanes stay in
+registers (two of AVX-512, four of AVX2, eight of SSE or NEON: LLVM splits them as the machine has it).
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-LANES = 16
+LANES = 32
 
 
 @intrinsic
 def _pull(typingctx, block, t, start, neighbour, length):  # type: ignore[no-untyped-def]
-    """Lower row t of the block (n, 16) by ``block[neighbour[e]] + length[e]``, e over its edges; whether a lane fell.
+    """Lower row t of the block (n, 32) by ``block[neighbour[e]] + length[e]``, e over its edges; whether a lane fell.
 
-    The block is C-contiguous; `start`, `neighbour` (int32) and `length` (the block's dtype) are the graph's rows.
-    Indices are trusted.
+    The block is C-contiguous, of unsigned integers or floats; `start`, `neighbour` (int32) and `length` (the
+    block's dtype) are the graph's rows. Indices are trusted.
     """
     whole = isinstance(block.dtype, types.Integer)
 
@@ -42,7 +42,7 @@ def _pull(typingctx, block, t, start, neighbour, length):  # type: ignore[no-unt
             return builder.load(builder.gep(pointer, [at]))
 
         def less(a: Any, b: Any) -> Any:
-            return builder.icmp_signed("<", a, b) if whole else builder.fcmp_ordered("<", a, b)
+            return builder.icmp_unsigned("<", a, b) if whole else builder.fcmp_ordered("<", a, b)
 
         rows, starts, neighbours, lengths = data(0), data(2), data(3), data(4)
         size = context.get_abi_sizeof(element)
@@ -74,7 +74,7 @@ pull: Any = _pull
 
 
 def aligned_block(n: int, dtype: np.dtype) -> np.ndarray:
-    """Uninitialised block (n, 16) whose rows do not straddle cache lines."""
+    """Uninitialised block (n, 32) whose rows do not straddle cache lines."""
     size = n * LANES * dtype.itemsize
     raw = np.empty(size + 64, np.uint8)
     skip = -raw.ctypes.data % 64

@@ -1,4 +1,4 @@
-"""Shortest paths in the discrete geodesic graph from sixteen neighbouring sources at once.
+"""Shortest paths in the discrete geodesic graph from 32 neighbouring sources at once.
 
 Vertices are taken in the order of their distance from the sources; each pulls the minimum over its neighbours
 for all sources together, so that nearly every value is final after one pass and no heap is needed.
@@ -17,7 +17,7 @@ from qgeo_filters.geodesics.lanes import pull
 
 @njit(cache=True, nogil=True)
 def relax(start, neighbour, length, order, block, awake):  # type: ignore[no-untyped-def]
-    """Bring a block (n, 16) of path lengths to its fixed point; the number of rows pulled."""
+    """Bring a block (n, 32) of path lengths to its fixed point; the number of rows pulled."""
     for t in order:
         pull(block, t, start, neighbour, length)
     pulled = len(order)
@@ -44,3 +44,11 @@ def write_rows(block, unreached, place, tick, out, rows):  # type: ignore[no-unt
         for k in range(len(rows)):
             value = block[p, k]
             out[rows[k], v] = value * tick if value < unreached else np.inf
+
+
+@njit(cache=True, nogil=True)
+def write_near(start, near, length, vertex, places, out, rows):  # type: ignore[no-untyped-def]
+    """Lengths of the near pairs of each of these places into its row of ``out``."""
+    for k in range(len(rows)):
+        for e in range(start[places[k]], start[places[k] + 1]):
+            out[rows[k], vertex[near[e]]] = length[e]

@@ -14,12 +14,17 @@ def warmup() -> None:
     Takes some seconds once after installation or an update, and well under a second from then on. Without it, the
     first call of each method takes that time.
     """
-    tetrahedron = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
-    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
-    distance_matrix(Surface(tetrahedron, faces))
-    distances(Surface(tetrahedron, faces), [0])
+    x, y = np.divmod(np.arange(25.0), 5)
+    corner = np.arange(20)[np.arange(20) % 5 < 4]
+    faces = np.concatenate(
+        [np.stack([corner, corner + 5, corner + 6], axis=1), np.stack([corner, corner + 6, corner + 1], axis=1)]
+    )
+    square = np.stack([x, y, 0 * x], axis=1)
     # Sides of very different lengths are kept in other numbers, by other kernels.
-    needle = Surface(tetrahedron * [1, 1e-9, 1], faces)
-    distance_matrix(needle)
-    distances(needle, [0])
-    distances(Surface(tetrahedron, faces), [0], method="exact")
+    spike = 1e-9 * square
+    spike[-1] = 1
+    for vertices in (square, spike):
+        surface = Surface(vertices, faces)
+        distance_matrix(surface)
+        distances(surface, [0])
+    distances(surface, [0], method="exact")

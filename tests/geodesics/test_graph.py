@@ -238,12 +238,25 @@ def test_graph_is_kept_and_let_go() -> None:
 
 def test_lengths_are_whole_ticks() -> None:
     """Sums of whole numbers are exact: this is why the matrix is symmetric, whatever the order of the sums."""
-    narrow = geodesic_graph(cartesian_metric(Surface(*shapes.blob(2))).intrinsic())
-    assert narrow.length.dtype == np.int32
-    vertices, faces = shapes.blob(2)
-    vertices[faces[0, 0]] = vertices[faces[0, 1]] * (1 + 1e-9)
-    wide = geodesic_graph(cartesian_metric(Surface(vertices, faces)).intrinsic())
-    assert wide.length.dtype == np.float64
-    assert np.array_equal(wide.length, np.round(wide.length))
-    matrix = distance_matrix(Surface(vertices, faces))
-    assert np.array_equal(matrix, matrix.T)
+    vertices, faces = shapes.grid(8, jitter=0.3)
+    ticks = geodesic_graph(cartesian_metric(Surface(vertices, faces)).intrinsic()).ticks
+    assert ticks.length.dtype == np.uint32
+    assert ticks.near.size == 0
+
+    few = vertices.copy()  # one short edge: 32 bits, and its neighbourhood apart
+    few[40] = few[41] + [1e-8, 0, 0]
+    graph = geodesic_graph(cartesian_metric(Surface(few, faces)).intrinsic())
+    assert graph.ticks.length.dtype == np.uint32
+    assert sorted(graph.vertex[graph.ticks.near].tolist()) == [40, 41]
+    assert np.allclose(distances(Surface(few, faces), [40])[0, 41], 1e-8, rtol=1e-12)
+
+    many = 1e-9 * vertices  # nearly all are: float64
+    many[-1] = 1
+    ticks = geodesic_graph(cartesian_metric(Surface(many, faces)).intrinsic()).ticks
+    assert ticks.length.dtype == np.float64
+    assert np.array_equal(ticks.length, np.round(ticks.length))
+    for each in (few, many):
+        matrix = distance_matrix(Surface(each, faces))
+        assert np.array_equal(matrix, matrix.T)
+        exact = distances(Surface(each, faces), np.arange(len(each)), method="exact")
+        assert np.abs(relative_error(matrix.astype(float), exact)).max() < 1e-3
