@@ -10,6 +10,7 @@ from scipy.spatial import ConvexHull, Delaunay
 
 from qgeo_filters import Surface
 from qgeo_filters.geodesics.matrix import distances
+from qgeo_filters.geodesics.paths import quasi_geodesic
 
 
 @st.composite
@@ -37,14 +38,23 @@ def surfaces(draw):
 
 @settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
 @given(surfaces())
-def test_exact_equals_pygeodesic(surface):
+def test_exact_is_as_short_as_pygeodesic_or_shorter_with_a_path_to_prove_it(surface):
     # Faces left out make fans that touch in a vertex only, and pieces: pygeodesic reads beyond its arrays there.
     surface = split_fans(surface).largest_component()[0]
     solver = pygeodesic.PyGeodesicAlgorithmExact(surface.vertices, surface.faces)
     sources = np.arange(0, surface.n_vertices, 1 + surface.n_vertices // 6)
     for source, ours in zip(sources, distances(surface, sources, method="exact"), strict=True):
         theirs = np.asarray(solver.geodesicDistances([int(source)], None)[0])
-        np.testing.assert_allclose(ours, theirs, rtol=1e-8, atol=1e-9)
+        assert (ours <= theirs * (1 + 1e-8) + 1e-9).all()
+        # In about one mesh of a thousand pygeodesic is too long (libigl, rarer, too: both miss some paths that
+        # bend at the boundary). Then a path of our length, laid on the faces in space, decides.
+        for target in np.flatnonzero(ours < theirs * (1 - 1e-8) - 1e-9):
+            path = quasi_geodesic(surface, int(source), int(target))
+            corners = surface.vertices[surface.faces[path.faces]]
+            on_faces = np.einsum("ki,kij->kj", path.barycentric, corners)
+            np.testing.assert_allclose(on_faces, path.points, atol=1e-9)
+            walked = np.linalg.norm(np.diff(path.points, axis=0), axis=1).sum()
+            np.testing.assert_allclose(walked, ours[target], rtol=1e-9)
 
 
 def split_fans(surface: Surface) -> Surface:
