@@ -21,6 +21,7 @@ FILTERS = [
     qg.QuasiGeodesicPath(start=3, end=60),
     qg.QuasiGeodesicSpectrum(k=6),
     qg.LaplacianSpectrum(k=5),
+    qg.SelfSymmetry(k0=6, n_regions=3),
     qg.SurfaceScalar() | qg.Paint("qgeo_scalar"),
     qg.TransferAttributes(sample_surface().with_attributes({"height": sample_surface().vertices[:, 2]})),
 ]
@@ -159,3 +160,19 @@ def test_the_path_is_as_long_as_the_distance_and_lies_in_the_marked_triangles() 
     assert filter.path_.length == pytest.approx(exact[120], rel=1e-9)
     assert marks[[5, 120]].tolist() == [1, 1]
     assert 0 < marks.sum() < surface.n_vertices
+
+
+def test_regions_of_eq_3_agree_with_the_mirror_image() -> None:
+    """A surface that is mirrored in x = 0, vertex by vertex, has the same measure on both sides."""
+    vertices, faces = icosphere(3)
+    x, y, z = vertices.T
+    lopsided = vertices * (1 + 0.3 * y + 0.25 * z * y - 0.2 * z + 0.3 * x**2 * z)[:, None]
+    image = np.array([np.argmin(np.abs(vertices - vertices[i] * [-1, 1, 1]).sum(axis=1)) for i in range(len(vertices))])
+    assert np.array_equal(image[image], np.arange(len(vertices)))
+    filter = qg.SelfSymmetry(k0=12, n_regions=5)
+    result = filter((lopsided, faces))
+    values = result.attributes["qgeo_symmetry_sum"]
+    assert np.sqrt(np.mean((values - values[image]) ** 2)) < 0.02 * filter.epsilon_
+    regions = result.attributes["qgeo_symmetry_region"]
+    assert (regions == regions[image]).mean() > 0.97  # all but vertices beside a limit
+    assert set(regions) == set(range(5))
