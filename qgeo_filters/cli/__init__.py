@@ -12,6 +12,7 @@ from qgeo_filters.cli.geodesics import distances, path
 from qgeo_filters.cli.mesh import info
 from qgeo_filters.cli.pipeline import run
 from qgeo_filters.cli.spectral import spectrum
+from qgeo_filters.cli.symmetry import symmetry
 from qgeo_filters.cli.warmup import warmup
 
 app = typer.Typer(
@@ -45,7 +46,7 @@ def qgeo(
         typer.echo(context.get_help())
 
 
-for command in (demo, info, distances, spectrum, path, run, warmup):
+for command in (demo, info, distances, spectrum, symmetry, path, run, warmup):
     app.command()(command)
 
 

@@ -20,7 +20,7 @@ _SOURCES = 5
 def demo(output: Output = DEFAULT_OUTPUT, json: Json = False, quiet: Quiet = False) -> None:
     """Run everything on PyMeshLab's cow and compare distances with libigl's exact ones; needs no network.
 
-    result.npz: distances (n, n), eigenvalues (k,), eigenfunctions (n, k), symmetry_function (n,), regions (n,).
+    result.npz: distances (n, n), eigenvalues (k,), eigenfunctions (n, k), symmetry_sum (n,), regions (n,).
     """
     import numpy as np
 
@@ -28,6 +28,7 @@ def demo(output: Output = DEFAULT_OUTPUT, json: Json = False, quiet: Quiet = Fal
     from qgeo_filters.caching import cache
     from qgeo_filters.cli.job import Job
     from qgeo_filters.cli.spectral import eigenvalue_table, spectrum_results
+    from qgeo_filters.cli.symmetry import draw_symmetry, symmetry_measure
     from qgeo_filters.filters import stages
     from qgeo_filters.geodesics.metric import cartesian_metric
     from qgeo_filters.report import figures
@@ -48,8 +49,16 @@ def demo(output: Output = DEFAULT_OUTPUT, json: Json = False, quiet: Quiet = Fal
     with job.stage("exact distances (libigl)"):
         errors = errors_against_exact(surface, plain)
     spectrum = descriptor.spectrum_
+    with job.stage("symmetry"):
+        measure, symmetric = symmetry_measure(spectrum, matrix, k0=5, reading="even")
+        values, regions = symmetric["symmetry_sum"], symmetric["regions"]
+        image = mirror_images(surface)
+        weights = surface.vertex_areas / surface.area
+        measure["epsilon_of_mirror_images"] = float(np.sqrt(weights @ (values - values[image]) ** 2))
+        measure["mirror_images_in_one_region_percent"] = float(100 * weights @ (regions == regions[image]))
     results = {
         **spectrum_results(spectrum),
+        **measure,
         "matrix_is_symmetric": bool((matrix == matrix.T).all()),
         "mean_error_percent": float(np.mean([mean for _, mean, _ in errors])),
         "max_error_percent": max(largest for _, _, largest in errors),
@@ -58,8 +67,10 @@ def demo(output: Output = DEFAULT_OUTPUT, json: Json = False, quiet: Quiet = Fal
         "distances": matrix,
         "eigenvalues": spectrum.eigenvalues,
         "eigenfunctions": spectrum.eigenfunctions,
+        **symmetric,
     }
-    job.save(results, arrays, described)
+    attributes = {"qgeo_symmetry_sum": symmetric["symmetry_sum"], "qgeo_symmetry_region": symmetric["regions"]}
+    job.save(results, arrays, described.with_attributes(attributes))
     view = best_view(surface.vertices, surface.faces)
     job.picture(
         "eigenfunctions",
@@ -72,6 +83,7 @@ def demo(output: Output = DEFAULT_OUTPUT, json: Json = False, quiet: Quiet = Fal
         "surface stay together; the strip's colours say where on the surface a row is.",
         lambda: figures.plot_distance_matrix(matrix, surface, view=view),
     )
+    draw_symmetry(job, surface, symmetric)
     job.picture(
         "distance_field",
         "Quasi-geodesic distance from one vertex (red), with lines of equal distance.",
@@ -111,6 +123,14 @@ def cow() -> Path:
             f"qgeo demo needs {path}, which this build of pymeshlab lacks: pip install --force-reinstall pymeshlab"
         )
     return path
+
+
+def mirror_images(surface: Surface) -> np.ndarray:
+    """Vertex nearest to the mirror image of each vertex in the plane x = 0, which halves the cow, shape (n,)."""
+    import numpy as np
+    from scipy.spatial import cKDTree
+
+    return np.asarray(cKDTree(surface.vertices).query(surface.vertices * [-1.0, 1.0, 1.0])[1])
 
 
 def errors_against_exact(surface: Surface, matrix: np.ndarray) -> list[tuple[int, float, float]]:

@@ -174,8 +174,8 @@ def path(
         "largest_kappa_g": float(np.nanmax(np.abs(kappa), initial=0.0)),
         "converged": bool(found.converged),
     }
-    ends = np.zeros(surface.n_vertices, dtype=np.int32)
-    ends[start], ends[end] = 1, 2
+    beside = np.zeros(surface.n_vertices, dtype=np.int32)
+    beside[surface.faces[found.faces]] = 1
     arrays = {
         "points": found.points,
         "length": np.float64(found.length),
@@ -185,7 +185,7 @@ def path(
         "faces": found.faces,
         "barycentric": found.barycentric,
     }
-    job.save(results, arrays, surface.with_attributes({"qgeo_path_end": ends}))
+    job.save(results, arrays, surface.with_attributes({"qgeo_path": beside}))
     job.picture("path", f"The path from vertex {i} (yellow) to vertex {j} (red).", lambda: plot_path(surface, found))
     job.picture(
         "path_curvature",

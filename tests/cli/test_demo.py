@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 from typer.testing import Result
 
 import qgeo_filters as qg
@@ -40,8 +41,16 @@ def test_demo(qgeo: Callable[..., Result], loaded: Loaded) -> None:
     image = matrix.astype(float) @ (areas[:, None] * functions[:, :6])
     residual = np.linalg.norm(image - functions[:, :6] * arrays["eigenvalues"][:6], axis=0)
     assert (residual < 1e-3 * np.linalg.norm(image, axis=0)).all()
+    # The two sides agree: eq. (3) between mirror images is far below that between all pairs.
+    mirror = cKDTree(surface.vertices).query(surface.vertices * [-1, 1, 1])[1]
+    values, regions = arrays["symmetry_sum"], arrays["regions"]
+    between = np.sqrt(np.average((values - values[mirror]) ** 2, weights=areas))
+    assert between == pytest.approx(found["epsilon_of_mirror_images"])
+    assert between < 0.1 * found["epsilon_of_all_pairs"]
+    assert np.average(regions == regions[mirror], weights=areas) > 0.85
+    assert found["largest_share_of_the_bound"] <= 1
     pictures = [name for name in content["files"] if name.endswith(".png")]
-    assert {"eigenfunctions.png", "distance_matrix.png", "spectrum.png"} <= set(pictures)
+    assert {"eigenfunctions.png", "distance_matrix.png", "symmetry.png", "spectrum.png"} <= set(pictures)
     assert len(pictures) >= 4
     assert {"qgeo_delta", "qgeo_normal", "qgeo_scalar", "qgeo_phi"} <= set(surface.attributes)
 
