@@ -37,9 +37,10 @@ SLIVER = 1e-12
 class Pool(NamedTuple):
     """The windows of all half-edges: rows of one array, linked into a list for each half-edge."""
 
-    windows: Records  # (capacity,) WINDOW; ``next`` is -1 at the end of a list, and links the free rows too
+    windows: Records  # (capacity,) WINDOW; ``next`` is -1 at the end of a list, and links the rows given back too
     lists: Records  # (half-edges,) LIST; ``first`` is -1 where the list is empty
-    free: Records  # (1,) LIST of the free rows
+    free: Records  # (1,) LIST of the rows given back
+    used: npt.NDArray[np.int64]  # (1,) rows that were ever in use; the rest of the array is untouched memory
 
 
 @kernel
@@ -148,35 +149,27 @@ def _contest(
 @inner
 def new_pool(n_halfedges: int, capacity: int) -> Pool:
     """An empty pool."""
-    windows = np.empty(capacity, dtype=WINDOW)
-    for row in range(capacity):
-        windows[row]["next"] = row + 1
     lists = np.empty(n_halfedges, dtype=LIST)
     for h in range(n_halfedges):
         lists[h]["first"], lists[h]["count"] = -1, 0
     free = np.empty(1, dtype=LIST)
-    free[0]["first"], free[0]["count"] = 0, capacity
-    return Pool(windows, lists, free)
+    free[0]["first"], free[0]["count"] = -1, 0
+    return Pool(np.empty(capacity, dtype=WINDOW), lists, free, np.zeros(1, dtype=np.int64))
 
 
 @inner
 def grown_pool(pool: Pool) -> Pool:
-    """The same windows in a pool of twice the size; the lists are shared."""
-    old = len(pool.windows)
-    windows = np.empty(2 * old, dtype=WINDOW)
-    windows[:old] = pool.windows
-    for row in range(old, 2 * old):
-        windows[row]["next"] = row + 1
-    windows[2 * old - 1]["next"] = pool.free[0]["first"]
-    pool.free[0]["first"] = old
-    pool.free[0]["count"] += old
-    return Pool(windows, pool.lists, pool.free)
+    """The same windows in a pool of twice the size; all else is shared."""
+    used = pool.used[0]
+    windows = np.empty(2 * len(pool.windows), dtype=WINDOW)
+    windows[:used] = pool.windows[:used]
+    return Pool(windows, pool.lists, pool.free, pool.used)
 
 
 @kernel
 def insertion_room(pool: Pool, h: int) -> bool:
     """Whether the pool has enough free rows for one more window on half-edge h, however it is cut up."""
-    return pool.free[0]["count"] >= 3 * pool.lists[h]["count"] + 8
+    return pool.free[0]["count"] + len(pool.windows) - pool.used[0] >= 3 * pool.lists[h]["count"] + 8
 
 
 @kernel
@@ -184,9 +177,13 @@ def _add(pool: Pool, h: int, before: int, lo: float, hi: float, sx: float, sy: f
     """Row of a new pending window, linked behind ``before`` (-1: in front) in the list of half-edge h."""
     windows, own, free = pool.windows, pool.lists[h], pool.free[0]
     row = free["first"]
+    if row >= 0:
+        free["first"] = windows[row]["next"]
+        free["count"] -= 1
+    else:
+        row = pool.used[0]
+        pool.used[0] += 1
     w = windows[row]
-    free["first"] = w["next"]
-    free["count"] -= 1
     own["count"] += 1
     w["lo"], w["hi"], w["sx"], w["sy"], w["sigma"], w["pending"] = lo, hi, sx, sy, sigma, 1
     if before < 0:

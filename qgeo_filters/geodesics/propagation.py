@@ -117,6 +117,9 @@ def _start_from(v: int, distance: FloatArray, queue: IndexedHeap, pool: Pool, me
             heap_push(queue, len(mesh.sides) + v, sigma)
             return False
         length = side["length"]
+        at_tail, at_head = distance[side["tail"]], distance[back["tail"]]
+        if at_tail + length < sigma + back["length"] or at_head + length < sigma + mesh.sides[c]["length"]:
+            continue  # a path along the side is shorter to all of its points
         sx = side["cx"] if side["aligned"] else side["from_head"]
         nearest, _ = insert_window(pool, target, length, 0.0, length, sx, side["cy"], sigma, NONE)
         if nearest < np.inf:
