@@ -10,7 +10,8 @@ such, and true mirror images differ .7 to .9 times as much as random points do. 
     the sum as it stands. It also depends on the signs, which an eigenbasis leaves open.
 ``"even"``
     the sum without the functions that may be antisymmetric, by their vanishing third moment
-    (`is_antisymmetric`): .04 to .6 on the same shapes, where a multiplet mixes the two kinds or one is mistaken for the other.
+    (`is_antisymmetric`): .04 to .6 on the same shapes, where a multiplet mixes the two kinds or one is mistaken for
+    the other.
 ``"absolute"``
     :math:`\sum_k |\phi_k|`, for which both kinds and all signs are alike: .04 to .15. The default.
 

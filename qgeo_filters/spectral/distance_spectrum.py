@@ -7,10 +7,12 @@ from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
+from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, aslinearoperator
 
 from qgeo_filters.errors import MeshError
 from qgeo_filters.geodesics.lifting import lifted_metric
+from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import LiftedMetric
 from qgeo_filters.spectral.canonical import canonical_signs, group_multiplets
 from qgeo_filters.spectral.eigensolver import largest_eigenpairs
@@ -22,6 +24,8 @@ Weights = Literal["area", "uniform"]
 
 # Two random vectors must agree to this on <x, D y> = <y, D x>; float32 distances do, one-sided ones do not.
 _SYMMETRY = 1e-4
+# Rows of an array on disk that are read at a time.
+_ROWS = 1024
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +91,8 @@ def distance_spectrum(
     landmarks: int | None = None,
     *,
     matrix: Any = None,
+    method: str = "graph",
+    accuracy: float = 1e-3,
     progress: bool = False,
 ) -> Spectrum:
     r"""Spectrum of the quasi-geodesic distances of a surface: the k eigenpairs of largest absolute value.
@@ -108,8 +114,8 @@ def distance_spectrum(
         Distances from this many farthest points only, in memory O(n landmarks); see `landmark_spectrum`.
     matrix : array-like or LinearOperator, shape (n, n), optional
         Distances in this metric, where they are at hand.
-    progress : bool
-        Whether to show a progress bar over the distances.
+    method, accuracy, progress
+        How to compute them otherwise, as in `distances`.
 
     Returns
     -------
@@ -120,22 +126,23 @@ def distance_spectrum(
     MeshError
         Surface in several pieces, not manifold, or with a vertex of no area.
     ValueError
-        k out of range; landmarks together with a matrix or uniform weights.
+        k out of range; landmarks together with a matrix.
     """
-    from qgeo_filters.geodesics.matrix import distance_matrix
-
     surface.require_connected("the spectrum of the distances")
     check_count(k, surface.n_vertices)
-    if metric is None and matrix is None:
-        metric = lifted_metric(surface)
+    check_areas(surface.vertex_areas)
     if landmarks is not None:
-        if matrix is not None or weights != "area":
-            raise ValueError("landmarks stand for the whole matrix under area weights: pass neither matrix nor weights")
+        if matrix is not None:
+            raise ValueError("landmarks stand for the matrix of distances: pass one or the other")
+        # Not at the top: it returns a Spectrum and imports this file.
         from qgeo_filters.spectral.landmarks import landmark_spectrum
 
-        return landmark_spectrum(surface, k, metric, landmarks, progress=progress)
+        return landmark_spectrum(
+            surface, k, metric, landmarks, weights, method=method, accuracy=accuracy, progress=progress
+        )
     if matrix is None:
-        matrix = distance_matrix(surface, metric, progress=progress)
+        chosen = metric or lifted_metric(surface)
+        matrix = distance_matrix(surface, chosen, method, accuracy=accuracy, progress=progress)
     return spectrum_of_matrix(matrix, surface.vertex_areas, k, weights)
 
 
@@ -148,8 +155,9 @@ def spectrum_of_matrix(matrix: Any, areas: npt.ArrayLike, k: int = 20, weights: 
 
     Parameters
     ----------
-    matrix : array-like or LinearOperator, shape (n, n)
-        Symmetric, finite; float32 is used as it is. Only products with it are taken.
+    matrix : array-like, zarr.Array or LinearOperator, shape (n, n)
+        Symmetric, finite; float32 is used as it is. Only products with it are taken, three or four for each
+        eigenpair; an array on disk is read once for each.
     areas : array-like, shape (n,)
         Area of each vertex, positive.
     k : int
@@ -207,7 +215,7 @@ def check_areas(areas: FloatArray) -> None:
 
 def _symmetric(matrix: Any, root: FloatArray) -> LinearOperator:
     """Operator x -> root D (root x) in float64, after a look at its symmetry and finiteness."""
-    plain = aslinearoperator(matrix)
+    plain = _products(matrix)
     # A float64 vector would make NumPy copy a float32 matrix to float64 in each product.
     single = plain.dtype == np.float32
 
@@ -226,3 +234,18 @@ def _symmetric(matrix: Any, root: FloatArray) -> LinearOperator:
     if abs(one - other) > _SYMMETRY * max(abs(one), abs(other)):
         raise ValueError(f"the matrix is not symmetric: <x, D y> = {one:.6g}, <y, D x> = {other:.6g}")
     return operator
+
+
+def _products(matrix: Any) -> LinearOperator:
+    has_products = isinstance(matrix, (np.ndarray, LinearOperator)) or sparse.issparse(matrix)
+    if has_products:
+        return aslinearoperator(matrix)
+    if not hasattr(matrix, "__array__") and not hasattr(matrix, "dtype"):
+        return aslinearoperator(np.asarray(matrix))
+    # On disk: a block of rows at a time.
+    n, dtype = matrix.shape[0], np.dtype(matrix.dtype)
+
+    def product(x: np.ndarray) -> np.ndarray:
+        return np.concatenate([np.asarray(matrix[i : i + _ROWS]) @ x for i in range(0, n, _ROWS)])
+
+    return LinearOperator((n, n), matvec=product, matmat=product, dtype=dtype)

@@ -9,8 +9,9 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.sparse.linalg import LinearOperator
 
 from qgeo_filters.geodesics.lifting import lifted_metric
+from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric, cartesian_metric
-from qgeo_filters.spectral.distance_spectrum import Spectrum, check_areas, check_count, spectrum_of_matrix
+from qgeo_filters.spectral.distance_spectrum import Spectrum, Weights, check_areas, check_count, spectrum_of_matrix
 from qgeo_filters.spectral.interpolation import biharmonic_interpolation
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_index, checked_indices
@@ -75,7 +76,8 @@ def landmark_spectrum(
     surface: Surface,
     k: int = 20,
     metric: LiftedMetric | None = None,
-    landmarks: int | npt.ArrayLike = 500,
+    landmarks: int | npt.ArrayLike = 1000,
+    weights: Weights = "area",
     *,
     method: str = "graph",
     accuracy: float = 1e-3,
@@ -91,7 +93,10 @@ def landmark_spectrum(
     metric : LiftedMetric, optional
         Default: `lifted_metric` of the surface, as it is.
     landmarks : int or array-like of int
-        How many farthest points, or which vertices; more than k.
+        How many farthest points, or which vertices; more than k. With 1000 the span of the first twenty
+        eigenfunctions is off by a sine of .01 to .02, with 500 of .02 to .05.
+    weights : {"area", "uniform"}
+        As in `spectrum_of_matrix`.
     method, accuracy, progress
         As in `distances`.
 
@@ -103,8 +108,6 @@ def landmark_spectrum(
     --------
     landmark_operator : the approximation, its error and its cost.
     """
-    from qgeo_filters.geodesics.matrix import distances
-
     surface.require_connected("the spectrum of the distances")
     check_count(k, surface.n_vertices)
     check_areas(surface.vertex_areas)
@@ -117,7 +120,7 @@ def landmark_spectrum(
     if len(points) <= k:
         raise ValueError(f"{k} eigenpairs need more landmarks than that, got {len(points)}")
     rows = distances(surface, points, metric, method, accuracy=accuracy, progress=progress)
-    return spectrum_of_matrix(landmark_operator(metric, points, rows), surface.vertex_areas, k)
+    return spectrum_of_matrix(landmark_operator(metric, points, rows), surface.vertex_areas, k, weights)
 
 
 def landmark_operator(metric: LiftedMetric, landmarks: npt.ArrayLike, rows: npt.ArrayLike) -> LinearOperator:
