@@ -63,7 +63,7 @@ def mean_curvature(surface: Surface) -> FloatArray:
     MeshError
         If neighbouring faces disagree on the outside, for then the sign has no meaning.
     """
-    _require_orientation(surface, "the mean curvature")
+    _require_orientation(surface, "the sign of the mean curvature")
     delta = differential_coordinates(surface, "cotangent")
     return from_inside(surface, 0.5 * np.einsum("ij,ij->i", delta, surface.vertex_normals))
 
@@ -110,7 +110,7 @@ def principal_curvatures(surface: Surface, radius: int = 5) -> PrincipalCurvatur
     """
     if not isinstance(radius, (int, np.integer)) or radius < 2:
         raise ValueError(f"radius is a number of rings, at least 2, got {radius!r}")
-    _require_orientation(surface, "the principal curvatures")
+    _require_orientation(surface, "the sign of the principal curvatures")
     # libigl compares with absolute tolerances: give it a surface of unit area about the origin.
     unit = np.sqrt(surface.area)
     if not unit > 0:
