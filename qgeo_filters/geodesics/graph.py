@@ -15,8 +15,9 @@ from qgeo_filters.geodesics.clusters import compact_order
 from qgeo_filters.geodesics.edges import mesh_edges
 from qgeo_filters.geodesics.lanes import LANES, aligned_block
 from qgeo_filters.geodesics.layout import layout_of
+from qgeo_filters.geodesics.memory import release_freed_memory
 from qgeo_filters.geodesics.metric import IntrinsicMesh, LiftedMetric, cartesian_metric
-from qgeo_filters.geodesics.rows import merged, transposed
+from qgeo_filters.geodesics.rows import undirected
 from qgeo_filters.geodesics.sweeps import relax, write_near, write_rows
 from qgeo_filters.geodesics.ticks import ROUNDING, Ticks, in_ticks
 from qgeo_filters.geodesics.windows import look_from
@@ -125,9 +126,12 @@ def geodesic_graph(mesh: IntrinsicMesh, accuracy: float = 1e-3, *, workers: int 
     # The error of many steps is eps + eps^2, that of rounding to ticks comes on top.
     epsilon = accuracy * (1 - 3 * ROUNDING) / (1 + accuracy)
     counts, ends, lengths = _look(mesh, vertex, epsilon, bound, workers)
-    backward = transposed(np.concatenate([[0], np.cumsum(counts)]), place[ends], lengths)
-    start, neighbour, length = merged(*transposed(*backward), *backward)
-    ticks = in_ticks(start, neighbour, length, bound, accuracy)
+    leaving = np.concatenate([[0], np.cumsum(counts)])
+    ends = place[ends]
+    ticks = in_ticks(leaving, ends, lengths, bound, accuracy)
+    del lengths  # the graph is large until it is joined
+    start, neighbour, length = undirected(leaving, ends, ticks.length)
+    ticks = ticks._replace(length=length)
     band = max(_BAND * float(mesh_rows.data.mean()), bound / (4 * len(vertex))) or 1.0
     n_bands = int(bound / band) + 1
     return GeodesicGraph(
@@ -147,6 +151,7 @@ def graph_of(surface: Surface, metric: LiftedMetric | None, accuracy: float, wor
     if graph is None or graph.accuracy != accuracy:
         mesh = (metric if metric is not None else cartesian_metric(surface)).intrinsic()
         graph = _kept[key] = geodesic_graph(mesh, accuracy, workers=workers)
+        release_freed_memory()
     return graph
 
 

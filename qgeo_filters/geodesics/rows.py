@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+Rows = tuple[np.ndarray, np.ndarray, np.ndarray]  # start (n + 1,), column (g,), value (g,)
+
 
 @njit(cache=True, nogil=True)
 def transposed(start, column, value):  # type: ignore[no-untyped-def]
@@ -30,22 +32,29 @@ def merged(start_a, column_a, value_a, start_b, column_b, value_b):  # type: ign
     """Union of two matrices with sorted rows, the smaller value where both have an entry."""
     n = len(start_a) - 1
     start = np.zeros(n + 1, np.int64)
-    column = np.empty(len(column_a) + len(column_b), np.int32)
-    value = np.empty(len(column), value_a.dtype)
-    size = 0
-    for r in range(n):
-        i, j = start_a[r], start_b[r]
-        while i < start_a[r + 1] or j < start_b[r + 1]:
-            take_a = j == start_b[r + 1] or (i < start_a[r + 1] and column_a[i] <= column_b[j])
-            if take_a:
-                column[size], value[size] = column_a[i], value_a[i]
-                if j < start_b[r + 1] and column_b[j] == column_a[i]:
-                    value[size] = min(value_a[i], value_b[j])
-                    j += 1
-                i += 1
-            else:
-                column[size], value[size] = column_b[j], value_b[j]
-                j += 1
-            size += 1
-        start[r + 1] = size
-    return start, column[:size].copy(), value[:size].copy()
+    column, value = column_a[:0].copy(), value_a[:0].copy()
+    for writing in range(2):  # first only counted, so that no more memory is taken than needed
+        size = 0
+        for r in range(n):
+            i, j = start_a[r], start_b[r]
+            while i < start_a[r + 1] or j < start_b[r + 1]:
+                has_a = i < start_a[r + 1] and (j == start_b[r + 1] or column_a[i] <= column_b[j])
+                has_b = j < start_b[r + 1] and (i == start_a[r + 1] or column_b[j] <= column_a[i])
+                if writing:
+                    column[size] = column_a[i] if has_a else column_b[j]
+                    value[size] = (
+                        min(value_a[i], value_b[j]) if has_a and has_b else value_a[i] if has_a else value_b[j]
+                    )
+                i += has_a
+                j += has_b
+                size += 1
+            start[r + 1] = size
+        if not writing:
+            column, value = np.empty(size, column_a.dtype), np.empty(size, value_a.dtype)
+    return start, column, value
+
+
+def undirected(start: np.ndarray, column: np.ndarray, value: np.ndarray) -> Rows:
+    """Matrix united with its transpose, in compressed and sorted rows, the smaller value where they differ."""
+    back = transposed(start, column, value)
+    return merged(*transposed(*back), *back)

@@ -8,9 +8,10 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from qgeo_filters.geodesics.rows import merged, transposed
+from qgeo_filters.geodesics.rows import Rows, undirected
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int32]
 
 # Of the accuracy, the share by which one tick may lengthen an edge, and three times that a path.
 ROUNDING = 0.01
@@ -27,12 +28,12 @@ class Ticks(NamedTuple):
     tick: float
     unreached: float  # more ticks than any path has
     near_start: npt.NDArray[np.int64]  # (n + 1,) pairs of vertices that are near each other, in compressed rows
-    near: npt.NDArray[np.int32]
+    near: IntArray
     near_length: FloatArray
 
 
-def in_ticks(start: np.ndarray, neighbour: np.ndarray, length: FloatArray, bound: float, accuracy: float) -> Ticks:
-    """Lengths rounded up to whole ticks.
+def in_ticks(start: np.ndarray, end: IntArray, length: FloatArray, bound: float, accuracy: float) -> Ticks:
+    """Lengths of directed edges, in compressed rows, rounded up to whole ticks.
 
     32 bits span the longest path, which is no longer than ``bound``; a tick then is fine enough but for
     edges some 1e5 times shorter. Paths among those are found apart, in float64. Where there are too many of
@@ -44,16 +45,23 @@ def in_ticks(start: np.ndarray, neighbour: np.ndarray, length: FloatArray, bound
     tick = 1.001 * bound / unreached if bound > 0 else 1.0
     shortest = tick / (accuracy * ROUNDING)
     n = len(start) - 1
+    crowd = _CROWD * n
     pairs = np.zeros(n + 1, np.int64), np.zeros(0, np.int32), np.zeros(0)
-    if not np.any((length > 0) & (length < shortest)):
-        return Ticks(np.ceil(length / tick).astype(np.uint32), tick, unreached, *pairs)
-    pairs = near_pairs(start, neighbour, length, _REACH * shortest, _CROWD * n)
-    if len(pairs[1]) < _CROWD * n:
-        back = transposed(*pairs)
-        return Ticks(np.ceil(length / tick).astype(np.uint32), tick, unreached, *merged(*transposed(*back), *back))
-    tick = 1.001 * bound / 2.0**52
-    nothing = np.zeros(n + 1, np.int64), np.zeros(0, np.int32), np.zeros(0)
-    return Ticks(np.ceil(length / tick), tick, 2.0**52, *nothing)
+    if np.any((length > 0) & (length < shortest)):
+        pairs = near_pairs(*_shorter(start, end, length, _REACH * shortest), _REACH * shortest, crowd)
+        if len(pairs[1]) >= crowd:
+            tick = 1.001 * bound / 2.0**52
+            return Ticks(np.ceil(length / tick), tick, 2.0**52, np.zeros(n + 1, np.int64), *(x[:0] for x in pairs[1:]))
+        pairs = undirected(*pairs)
+    return Ticks(np.ceil(length / tick).astype(np.uint32), tick, unreached, *pairs)
+
+
+def _shorter(start: np.ndarray, end: IntArray, length: FloatArray, most: float) -> Rows:
+    """Edges up to a length, in either direction."""
+    few = np.flatnonzero(length < most)
+    row = np.searchsorted(start, few, side="right") - 1
+    few_start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(start) - 1))])
+    return undirected(few_start, end[few], length[few])
 
 
 @njit(cache=True, nogil=True)
