@@ -1,0 +1,267 @@
+"""Poses with known correspondence, from the folder layouts of the public data sets."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.errors import MeshError
+from qgeo_filters.interop.files import read_surface
+from qgeo_filters.surface import Surface
+
+IntArray = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class PointMap:
+    """Known images of some vertices.
+
+    Attributes
+    ----------
+    points : (m,) int
+        Vertices of X.
+    images : (m,) int
+        Vertex of Y for each of them.
+    """
+
+    points: IntArray
+    images: IntArray
+
+
+class Dataset(ABC):
+    """Shapes in categories, and the true maps within a category.
+
+    Attributes
+    ----------
+    root : Path
+    files : dict of str to Path
+        Mesh of each shape, by category and then by number.
+    """
+
+    def __init__(self, root: str | PathLike[str], files: Iterable[Path]) -> None:
+        self.root = Path(root)
+        self.files = {file.stem: file for file in sorted(files, key=lambda file: natural_key(file.stem))}
+        if not self.files:
+            raise FileNotFoundError(f"no meshes of {type(self).__name__} under {self.root}")
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({str(self.root)!r}: {len(self.files)} shapes)"
+
+    def category(self, name: str) -> str:
+        """Category of a shape: its name without the number, unless the data set has one only."""
+        return re.sub(r"\d+$", "", name)
+
+    @property
+    def categories(self) -> tuple[str, ...]:
+        """Categories in order."""
+        return tuple(dict.fromkeys(self.category(name) for name in self.files))
+
+    def names(self, category: str | None = None) -> list[str]:
+        """Shapes of a category, or all."""
+        return [name for name in self.files if category is None or self.category(name) == category]
+
+    def pairs(self, category: str | None = None) -> Iterator[tuple[str, str]]:
+        """Every two shapes of one category, the earlier first."""
+        for one in self.categories if category is None else (category,):
+            yield from itertools.combinations(self.names(one), 2)
+
+    def read(self, name: str) -> Surface:
+        """The mesh of a shape."""
+        return read_surface(self.files[name])
+
+    @abstractmethod
+    def truth(self, x: str, y: str) -> PointMap:
+        """True map from shape x to shape y of its category.
+
+        Raises
+        ------
+        LookupError
+            No truth is known for this pair.
+        """
+
+    def symmetry(self, name: str) -> PointMap:
+        """True left/right map of a shape; LookupError where none is known."""
+        raise LookupError(f"{type(self).__name__} knows no left/right map of {name}")
+
+    def _require_one_category(self, x: str, y: str) -> None:
+        if self.category(x) != self.category(y):
+            raise LookupError(f"{x} and {y} are of different categories: no true map between them is known")
+
+
+class ToscaRemeshed(Dataset):
+    """TOSCA poses triangulated independently: ``remeshed/*.off``, ``ground_truth/*.npz``, ``symmetry/*.sym``.
+
+    ``ground_truth/NAME.npz`` holds ``full_of_vertex`` (n,), the vertex of the full-resolution mesh for each vertex, and
+    ``vertex_of_full``, the nearest vertex to each full-resolution one. ``symmetry/CATEGORY.sym`` holds the mirror
+    image, from 1, of each full-resolution vertex.
+    """
+
+    def __init__(self, root: str | PathLike[str]) -> None:
+        super().__init__(root, (Path(root) / "remeshed").glob("*.off"))
+
+    def truth(self, x: str, y: str) -> PointMap:
+        """True map, known at every vertex of x."""
+        self._require_one_category(x, y)
+        return self._through(x, y, None)
+
+    def symmetry(self, name: str) -> PointMap:
+        """True left/right map, known at every vertex."""
+        file = self.root / "symmetry" / f"{self.category(name)}.sym"
+        return self._through(name, name, _indices(file))
+
+    def _through(self, x: str, y: str, mirror: IntArray | None) -> PointMap:
+        full = self._table(x, "full_of_vertex")
+        if mirror is not None:
+            full = mirror[full]
+        return PointMap(np.arange(len(full)), self._table(y, "vertex_of_full")[full])
+
+    def _table(self, name: str, key: str) -> IntArray:
+        file = self.root / "ground_truth" / f"{name}.npz"
+        if not file.is_file():
+            raise LookupError(f"no ground truth for {name}: {file} is missing")
+        with np.load(file) as tables:
+            return tables[key].astype(np.int64)
+
+
+class IndexedDataset(Dataset):
+    """Shapes of a category with vertex i at the same place on all: TOSCA at full resolution, FAUST's registrations.
+
+    ``root`` holds the meshes themselves (``.off``, ``.ply``, ``.obj``, ``.vert`` with ``.tri``, ``.mat``), and
+    optionally ``symmetry/CATEGORY.sym`` beside or below it.
+    """
+
+    SUFFIXES: tuple[str, ...] = (".off", ".ply", ".obj", ".vert", ".mat")
+
+    def __init__(self, root: str | PathLike[str]) -> None:
+        files = [file for file in Path(root).iterdir() if file.suffix.lower() in self.SUFFIXES]
+        super().__init__(root, files)
+
+    def truth(self, x: str, y: str) -> PointMap:
+        """The identity."""
+        self._require_one_category(x, y)
+        sizes = self.read(x).n_vertices, self.read(y).n_vertices
+        if sizes[0] != sizes[1]:
+            raise LookupError(
+                f"{x} and {y} have {sizes[0]} and {sizes[1]} vertices: they were triangulated independently, and "
+                "equal indices mean nothing"
+            )
+        return PointMap(np.arange(sizes[0]), np.arange(sizes[0]))
+
+    def symmetry(self, name: str) -> PointMap:
+        """True left/right map."""
+        for folder in (self.root / "symmetry", self.root.parent / "symmetry"):
+            file = folder / f"{self.category(name)}.sym"
+            if file.is_file():
+                images = _indices(file)
+                return PointMap(np.arange(len(images)), images)
+        return super().symmetry(name)
+
+
+class ToscaLowres(IndexedDataset):
+    """TOSCA "nonrigid world" at 3400 vertices (``.vert`` and ``.tri``), the paper's meshes: no truth is known."""
+
+    SUFFIXES: tuple[str, ...] = (".vert",)
+
+    def truth(self, x: str, y: str) -> PointMap:
+        """Raise LookupError: the meshes were decimated independently."""
+        raise LookupError(f"no true map from {x} to {y} is known: the poses were decimated independently")
+
+
+class VtsDataset(Dataset):
+    """Remeshed FAUST, SCAPE (and SHREC'19) with ``.vts`` files: ``off/NAME.off`` and ``corres/NAME.vts``.
+
+    Line i of a ``.vts`` file is the vertex, from 1, at point i of a template; so two shapes are known to correspond at
+    the template's points. Layout of Ren, Poulenard, Wonka, Ovsjanikov, "Continuous and orientation-preserving
+    correspondences via functional maps", SIGGRAPH Asia 2018. A left/right map of the template, from 1, may be in
+    ``corres/template.sym``.
+    """
+
+    def __init__(self, root: str | PathLike[str]) -> None:
+        super().__init__(root, (Path(root) / "off").glob("*.off"))
+
+    def category(self, name: str) -> str:
+        """One category: all shapes share the template."""
+        return self.root.name
+
+    def truth(self, x: str, y: str) -> PointMap:
+        """True map at the vertices of x that a point of the template names; the first point of several counts."""
+        left, right = self._vertices(x), self._vertices(y)
+        if len(left) != len(right):
+            raise MeshError(f"{x}.vts has {len(left)} points and {y}.vts has {len(right)}; expected one template")
+        points, first = np.unique(left, return_index=True)
+        return PointMap(points, right[first])
+
+    def symmetry(self, name: str) -> PointMap:
+        """True left/right map, where ``corres/template.sym`` gives that of the template."""
+        file = self.root / "corres" / "template.sym"
+        if not file.is_file():
+            return super().symmetry(name)
+        vertices = self._vertices(name)
+        points, first = np.unique(vertices, return_index=True)
+        return PointMap(points, vertices[_indices(file)][first])
+
+    def _vertices(self, name: str) -> IntArray:
+        return _indices(self.root / "corres" / f"{name}.vts")
+
+
+class Shrec19(Dataset):
+    """SHREC'19 humans with one file for each pair: ``off/N.off`` and ``groundtruth/N_M.map``, vertices from 1.
+
+    Melzi, Marin, Rodola et al., "SHREC'19: Matching humans with different connectivity", 3DOR 2019.
+    """
+
+    def __init__(self, root: str | PathLike[str]) -> None:
+        super().__init__(root, (Path(root) / "off").glob("*.off"))
+
+    def category(self, name: str) -> str:
+        """One category."""
+        return self.root.name
+
+    @cached_property
+    def _maps(self) -> dict[tuple[str, str], Path]:
+        files = sorted((self.root / "groundtruth").glob("*_*.map"), key=lambda file: natural_key(file.stem))
+        return {(file.stem.split("_")[0], file.stem.split("_")[1]): file for file in files}
+
+    def pairs(self, category: str | None = None) -> Iterator[tuple[str, str]]:
+        """The pairs of the benchmark."""
+        yield from self._maps
+
+    def truth(self, x: str, y: str) -> PointMap:
+        """True map of a pair of the benchmark."""
+        if (x, y) not in self._maps:
+            raise LookupError(f"the benchmark has no pair ({x}, {y})")
+        images = _indices(self._maps[x, y])
+        return PointMap(np.arange(len(images)), images)
+
+
+def natural_key(name: str) -> tuple[tuple[str, int], ...]:
+    """Sorting key that puts cat2 before cat10."""
+    return tuple((text, int(number or -1)) for text, number in re.findall(r"(\D*)(\d*)", name)[:-1])
+
+
+def read_vts(path: str | PathLike[str]) -> IntArray:
+    """Vertices, from 0, at the points of the template, from a ``.vts`` file (one number from 1 in each line)."""
+    return _indices(Path(path))
+
+
+def _indices(file: Path) -> IntArray:
+    """Numbers from 1 in a text file, as indices from 0."""
+    if not file.is_file():
+        raise LookupError(f"{file} is missing")
+    try:
+        values = np.loadtxt(file, dtype=np.float64, ndmin=1)
+    except ValueError as error:
+        raise MeshError(f"{file}: not a list of numbers ({error})") from error
+    bad = np.flatnonzero((values != np.floor(values)) | (values < 1)) if values.ndim == 1 else np.zeros(1)
+    if values.ndim != 1 or bad.size:
+        raise MeshError(f"{file}: expected one vertex, counted from 1, in each line")
+    return values.astype(np.int64) - 1

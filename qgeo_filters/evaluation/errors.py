@@ -1,0 +1,184 @@
+"""Error of a point map against the true one (Princeton protocol), with and without the mirrored truth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.geodesics.matrix import distance_matrix, distances
+from qgeo_filters.surface import Surface
+from qgeo_filters.validation import checked_indices, frozen
+
+FloatArray = npt.NDArray[np.float64]
+Normalization = Literal["sqrt_area", "diameter", "none"]
+
+#: Errors, in units of sqrt(area), below which the share of points is reported.
+THRESHOLDS = (0.05, 0.10, 0.25)
+#: Mean error beyond which a map counts as failed.
+FAILED = 0.1
+
+
+@dataclass(frozen=True)
+class ErrorSummary:
+    """What a table reports of the errors of one map or of many.
+
+    Attributes
+    ----------
+    mean, median, maximum : float
+    below : tuple of float
+        Share of points, 0 to 1, with an error of at most each of `THRESHOLDS`.
+    """
+
+    mean: float
+    median: float
+    maximum: float
+    below: tuple[float, ...]
+
+    @classmethod
+    def of(cls, errors: npt.ArrayLike, thresholds: Sequence[float] = THRESHOLDS) -> ErrorSummary:
+        """Summary of errors, shape (n,), each point counting equally."""
+        values = _checked_errors(errors)
+        curve = error_curve(values, thresholds)
+        return cls(float(values.mean()), float(np.median(values)), float(values.max()), tuple(curve.tolist()))
+
+
+@dataclass(frozen=True, eq=False)
+class SymmetricErrors:
+    """Errors of a map against the truth and against its mirror image.
+
+    Attributes
+    ----------
+    direct : (n,) float64
+        Against the truth: the only one that a method with an orientation should be judged by.
+    reflected : (n,) float64
+        Against the truth followed by the true left/right map of Y.
+    """
+
+    direct: FloatArray
+    reflected: FloatArray
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether the map as a whole is nearer to the mirrored truth."""
+        return bool(self.reflected.mean() < self.direct.mean())
+
+    @property
+    def best_per_pair(self) -> FloatArray:
+        """The better of the two for the map as a whole (n,): forgives a mirrored map."""
+        return self.reflected if self.mirrored else self.direct
+
+    @property
+    def vertex_minimum(self) -> FloatArray:
+        """The smaller of the two at each vertex (n,): forgives maps that mix left and right, and flatters."""
+        return np.minimum(self.direct, self.reflected)
+
+
+def geodesic_error(
+    p2p: npt.ArrayLike,
+    truth: npt.ArrayLike,
+    y: Surface,
+    normalization: Normalization = "sqrt_area",
+    *,
+    matrix: Any = None,
+) -> FloatArray:
+    """Geodesic distance on Y from the image of each point to its true image, shape (n,).
+
+    Parameters
+    ----------
+    p2p : array-like of int, shape (n,)
+        Vertex of Y for each point.
+    truth : array-like of int, shape (n,)
+        The true one.
+    y : Surface
+    normalization : {"sqrt_area", "diameter", "none"}
+        Divide by the square root of Y's area (the Princeton protocol), by Y's geodesic diameter (about 1.5 times as
+        large, so that errors look smaller; it takes all distances), or not at all. Never mix them in one table.
+    matrix : array-like, shape (n_Y, n_Y), optional
+        Distances on Y in the unit of its vertices, where they are at hand.
+
+    Raises
+    ------
+    ValueError
+        Lengths that differ, vertices out of range, unknown normalization.
+
+    References
+    ----------
+    Kim, Lipman, Funkhouser, "Blended intrinsic maps", SIGGRAPH 2011, for the protocol.
+    """
+    image, target = checked_indices(p2p, y.n_vertices, "p2p"), checked_indices(truth, y.n_vertices, "truth")
+    if image.shape != target.shape:
+        raise ValueError(f"p2p and truth must be of one length, got {len(image)} and {len(target)}")
+    if normalization not in ("sqrt_area", "diameter", "none"):
+        raise ValueError(f"normalization must be 'sqrt_area', 'diameter' or 'none', got {normalization!r}")
+    if matrix is None and normalization == "diameter":
+        matrix = distance_matrix(y)
+    if matrix is None:
+        errors = _between(y, image, target)
+    else:
+        if np.shape(matrix) != (y.n_vertices, y.n_vertices):
+            raise ValueError(f"the matrix has shape {np.shape(matrix)}, expected {(y.n_vertices, y.n_vertices)}")
+        errors = np.asarray(matrix[image, target], dtype=np.float64)
+    if normalization == "sqrt_area":
+        return errors / np.sqrt(y.area)
+    return errors / float(np.max(matrix)) if normalization == "diameter" else errors
+
+
+def symmetric_errors(
+    p2p: npt.ArrayLike, truth: npt.ArrayLike, symmetry: npt.ArrayLike, y: Surface, *, matrix: Any = None
+) -> SymmetricErrors:
+    """Errors against the truth and against the mirrored truth, in units of sqrt(area).
+
+    Parameters
+    ----------
+    p2p, truth : array-like of int, shape (n,)
+        As in `geodesic_error`.
+    symmetry : array-like of int, shape (n_Y,)
+        True left/right map of Y.
+    y : Surface
+    matrix : array-like, shape (n_Y, n_Y), optional
+    """
+    mirror = checked_indices(symmetry, y.n_vertices, "symmetry")
+    if len(mirror) != y.n_vertices:
+        raise ValueError(f"symmetry must hold a vertex for each of the {y.n_vertices} of Y, got {len(mirror)}")
+    target = checked_indices(truth, y.n_vertices, "truth")
+    direct = geodesic_error(p2p, target, y, matrix=matrix)
+    return SymmetricErrors(frozen(direct), frozen(geodesic_error(p2p, mirror[target], y, matrix=matrix)))
+
+
+def mirrored(
+    p2p: npt.ArrayLike, truth: npt.ArrayLike, symmetry: npt.ArrayLike, y: Surface, *, matrix: Any = None
+) -> bool:
+    """Whether a map is nearer, in the mean, to the mirrored truth than to the truth; see `symmetric_errors`."""
+    return symmetric_errors(p2p, truth, symmetry, y, matrix=matrix).mirrored
+
+
+def error_curve(errors: npt.ArrayLike, thresholds: npt.ArrayLike) -> FloatArray:
+    """Share of points, 0 to 1, with an error of at most each threshold; the shape of ``thresholds``."""
+    values = np.sort(_checked_errors(errors))
+    return np.searchsorted(values, np.asarray(thresholds, dtype=np.float64), side="right") / len(values)
+
+
+def _between(y: Surface, image: npt.NDArray[np.int64], target: npt.NDArray[np.int64]) -> FloatArray:
+    """Distance between each pair of vertices, with as few sources as one side of the pairs has."""
+    errors = np.zeros(len(image))
+    wrong = np.flatnonzero(image != target)
+    if not wrong.size:
+        return errors
+    ends = sorted((image[wrong], target[wrong]), key=lambda side: len(np.unique(side)))
+    sources, row = np.unique(ends[0], return_inverse=True)
+    errors[wrong] = distances(y, sources)[row, ends[1]]
+    return errors
+
+
+def _checked_errors(errors: npt.ArrayLike) -> FloatArray:
+    values = np.asarray(errors, dtype=np.float64)
+    if values.ndim != 1 or not values.size:
+        raise ValueError(f"errors must be a non-empty array in one dimension, got the shape {values.shape}")
+    bad = np.flatnonzero(np.isnan(values) | (values < 0))
+    if bad.size:
+        raise ValueError(f"errors[{bad[0]}] is {values[bad[0]]}, not a distance ({bad.size} such)")
+    return values

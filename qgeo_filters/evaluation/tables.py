@@ -1,0 +1,130 @@
+"""Tables of errors as Markdown: one row for each category, and the pooled rows below."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.evaluation.errors import FAILED, THRESHOLDS, ErrorSummary, SymmetricErrors
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PairResult:
+    """Errors of one map.
+
+    Attributes
+    ----------
+    name : str
+        What was mapped, such as "cat0 - cat1".
+    category : str
+    errors : SymmetricErrors
+    confident : bool
+        What the method itself said of the map.
+    seconds : float
+        CPU time.
+    """
+
+    name: str
+    category: str
+    errors: SymmetricErrors
+    confident: bool = True
+    seconds: float = float("nan")
+
+    @property
+    def failed(self) -> bool:
+        """Whether the mean direct error exceeds `FAILED`."""
+        return bool(self.errors.direct.mean() > FAILED)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of the table, over some pairs.
+
+    Attributes
+    ----------
+    label : str
+    pairs : int
+    direct : ErrorSummary
+        Mean of the pairs' means, median of all points' errors, and shares of all points.
+    best_per_pair, vertex_minimum : float
+        Mean of the pairs' means under the two lenient protocols.
+    mirrored, failed, confident : int
+        Numbers of pairs.
+    worst : float
+        Largest mean of a pair.
+    seconds : float
+        Mean CPU time of a pair.
+    """
+
+    label: str
+    pairs: int
+    direct: ErrorSummary
+    best_per_pair: float
+    vertex_minimum: float
+    mirrored: int
+    failed: int
+    confident: int
+    worst: float
+    seconds: float
+
+    @classmethod
+    def of(cls, label: str, results: Sequence[PairResult]) -> Row:
+        """Row over these pairs, each pair counting equally in the means."""
+        if not results:
+            raise ValueError(f"no results for the row {label!r}")
+        means = np.array([result.errors.direct.mean() for result in results])
+        points = ErrorSummary.of(np.concatenate([result.errors.direct for result in results]))
+        return cls(
+            label,
+            len(results),
+            ErrorSummary(float(means.mean()), points.median, points.maximum, points.below),
+            float(np.mean([result.errors.best_per_pair.mean() for result in results])),
+            float(np.mean([result.errors.vertex_minimum.mean() for result in results])),
+            sum(result.errors.mirrored for result in results),
+            sum(result.failed for result in results),
+            sum(result.confident for result in results),
+            float(means.max()),
+            float(np.mean([result.seconds for result in results])),
+        )
+
+
+def rows_by_category(results: Sequence[PairResult], pools: Mapping[str, Sequence[str]] | None = None) -> list[Row]:
+    """One row for each category in order of appearance, one for each pool of categories, and one for all.
+
+    Parameters
+    ----------
+    results : sequence of PairResult
+    pools : mapping of str to sequence of str, optional
+        Label of a pooled row and the categories in it, such as those that parameters were tuned on.
+    """
+    categories = dict.fromkeys(result.category for result in results)
+    rows = [Row.of(category, [result for result in results if result.category == category]) for category in categories]
+    for label, members in (pools or {}).items():
+        chosen = [result for result in results if result.category in members]
+        if chosen:
+            rows.append(Row.of(label, chosen))
+    return [*rows, Row.of("all", results)]
+
+
+def markdown(rows: Sequence[Row]) -> str:
+    """Table of the rows in Markdown, errors in units of sqrt(area)."""
+    shares = [f"< {threshold:g} (%)" for threshold in THRESHOLDS]
+    head = ["", "pairs", "mean", "median", *shares, "worst pair", "mirrored", "failed", "confident"]
+    head += ["best per pair", "per-vertex minimum", "CPU s"]
+    lines = [_line(head), _line(["---"] + ["---:"] * (len(head) - 1))]
+    for row in rows:
+        cells = [row.label, str(row.pairs), f"{row.direct.mean:.4f}", f"{row.direct.median:.4f}"]
+        cells += [f"{100 * share:.1f}" for share in row.direct.below]
+        cells += [f"{row.worst:.4f}", str(row.mirrored), str(row.failed), str(row.confident)]
+        cells += [f"{row.best_per_pair:.4f}", f"{row.vertex_minimum:.4f}", f"{row.seconds:.1f}"]
+        lines.append(_line(cells))
+    return "\n".join(lines)
+
+
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cells) + " |"
