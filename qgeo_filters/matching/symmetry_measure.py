@@ -4,16 +4,17 @@ Eq. (3) calls two points symmetric if :math:`|s(p) - s(q)| \le \varepsilon` with
 :math:`s = \sum_{k \le k_0} \phi_k` and :math:`k_0 \le 20`. Taken to the letter it fails: an isometry T that is its own
 inverse maps an eigenfunction of a simple eigenvalue to itself or to its negative, and those of the second kind
 enter :math:`s(p) - s(Tp)` with :math:`2 \phi_k(p)`. On five bilateral shapes of TOSCA a third of the first twenty are
-such, and true mirror images differ .7 to .9 times as much as random points do. Three readings are offered:
+such, and true mirror images differ .8 to .9 times as much as random points do
+(`benchmarks/symmetry_measure.py`). Three readings are offered:
 
 ``"printed"``
     the sum as it stands. It also depends on the signs, which an eigenbasis leaves open.
 ``"even"``
     the sum without the functions that may be antisymmetric, by their vanishing third moment
-    (`is_antisymmetric`): .04 to .6 on the same shapes, where a multiplet mixes the two kinds or one is mistaken for
+    (`is_antisymmetric`): .04 to .7 on the same shapes, where a multiplet mixes the two kinds or one is mistaken for
     the other.
 ``"absolute"``
-    :math:`\sum_k |\phi_k|`, for which both kinds and all signs are alike: .04 to .15. The default.
+    :math:`\sum_k |\phi_k|`, for which both kinds and all signs are alike: .04 to .2. The default.
 
 The level sets of s are curves, so that the measure can refute a symmetry but not establish one: for that the
 map itself has to be found.
@@ -90,9 +91,9 @@ def symmetry_epsilon(
     -----
     The paper prints neither definition nor normalisation. Five of the six values of its Table 1 are
     :math:`\sqrt{8 / n}` to .3 percent (n = 3400: .0485, printed .0485 or .0486; the seahorse, n = 2194: .0604, printed
-    .0603): they tell the number of vertices and not the shape. Any sum of unit eigenvectors has that size: this
-    function over all pairs, of the printed sum with five eigenvectors of the plain matrix, over sqrt(n), gives .047 to
-    .049. Only the ratio of the two epsilons speaks of symmetry.
+    .0603): they tell the number of vertices and not the shape. Any sum of unit eigenvectors has such a size: this
+    function over all pairs, of the printed sum with five eigenvectors of the plain matrix, over sqrt(n), gives .049 for
+    the paper's wolf (`benchmarks/symmetry_measure.py`). Only the ratio of the two epsilons speaks of symmetry.
     """
     values = symmetry_sum(spectrum, k0, reading)
     weights = spectrum.areas / spectrum.areas.sum()

@@ -94,7 +94,7 @@ def landmark_spectrum(
         Default: `lifted_metric` of the surface, as it is.
     landmarks : int or array-like of int
         How many farthest points, or which vertices; more than k. With 1000 the span of the first twenty
-        eigenfunctions is off by a sine of .01 to .02, with 500 of .02 to .05.
+        eigenfunctions is off by a sine of .005 to .03, with 500 of .02 to .11 (`benchmarks/spectrum_landmarks.py`).
     weights : {"area", "uniform"}
         As in `spectrum_of_matrix`.
     method, accuracy, progress

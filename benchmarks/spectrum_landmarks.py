@@ -1,0 +1,69 @@
+"""Spectrum from landmarks beside that of all vertices: subspace sine, eigenvalues, CPU seconds.
+
+    python benchmarks/spectrum_landmarks.py [level]
+
+A lopsided sphere of 10 * 4^level + 2 vertices (10242 for the default level 5) and, where QGEO_DATA names the evaluation
+data, three remeshed TOSCA shapes; the metric of the surface and the lifted one.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import igl
+import numpy as np
+
+from qgeo_filters import Surface
+from qgeo_filters.geodesics.lifting import lifted_metric
+from qgeo_filters.geodesics.matrix import distance_matrix
+from qgeo_filters.spectral.canonical import subspace_sine
+from qgeo_filters.spectral.distance_spectrum import spectrum_of_matrix
+from qgeo_filters.spectral.landmarks import farthest_points, landmark_operator
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+from shapes import blob
+
+
+def surfaces(level: int) -> Iterator[tuple[str, Surface]]:
+    """Made-up and real surfaces."""
+    yield "blob", Surface(*blob(level, seed=1))
+    if "QGEO_DATA" in os.environ:
+        for name in ("cat0", "horse0", "michael0"):
+            path = Path(os.environ["QGEO_DATA"]) / "tosca" / "remeshed" / f"{name}.off"
+            yield name, Surface(*igl.read_triangle_mesh(str(path))[:2])
+
+
+def main(level: int = 5, k: int = 20) -> None:
+    """Print the table."""
+    print("| surface | vertices | weight | landmarks | sine, 20 | sine, 10 | eigenvalues | CPU s | all, CPU s |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    for name, surface in surfaces(level):
+        areas = surface.vertex_areas
+        for weight in (0.0, 0.03):
+            metric = lifted_metric(surface, weight=weight)
+            matrix = distance_matrix(surface, metric)
+            start = time.process_time()
+            full = spectrum_of_matrix(matrix, areas, k)
+            full_time = time.process_time() - start
+            for count in (500, 1000):
+                start = time.process_time()
+                points = farthest_points(surface, count, metric)
+                part = spectrum_of_matrix(landmark_operator(metric, points, matrix[points]), areas, k)
+                seconds = time.process_time() - start
+                sines = [
+                    subspace_sine(part.eigenfunctions[:, :j], full.eigenfunctions[:, :j], areas) for j in (k, k // 2)
+                ]
+                error = np.abs(part.eigenvalues / full.eigenvalues - 1).max()
+                print(
+                    f"| {name} | {surface.n_vertices} | {weight} | {count} | {sines[0]:.4f} | {sines[1]:.4f} "
+                    f"| {error:.1e} | {seconds:.1f} | {full_time:.1f} |",
+                    flush=True,
+                )
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))
