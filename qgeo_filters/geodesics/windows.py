@@ -23,8 +23,8 @@ import numpy as np
 from numba import njit
 
 # Columns of a window: left and right end of the side, left and right end of the part still seen, and on
-# either hand the vertex that covers: its position, d(v, p) - eps * hop, and hop.
-WIDTH = 16
+# either hand the vertex p that covers: its position, and d(v, p) - eps * hop, called near.
+WIDTH = 14
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -67,19 +67,9 @@ def seen_part(lx, ly, dx, dy, span, left_ray, right_ray, p, q):  # type: ignore[
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def look(start, length, apex_x, apex_y, twin, corners, epsilon, limit, queue, sides, near, hop, direct, found, met):  # type: ignore[no-untyped-def]  # fmt: skip
-    """Edges of the discrete geodesic graph out of the vertex of these corners.
-
-    Returns
-    -------
-    number of edges
-        Their ends are in ``found``, their lengths in ``direct``.
-    number of vertices met otherwise
-        In ``met``; with those of ``found`` they are the ones for which ``near`` and ``hop`` were set.
-    whether the queue was long enough
-    """
-    count = others = head = tail = 0
-    mask = len(sides) - 1
+def look_around(start, length, apex_x, apex_y, twin, corners, epsilon, queue, sides, near, direct, found):  # type: ignore[no-untyped-def]  # fmt: skip
+    """Edges to the neighbours of the vertex of these corners, and its first windows; how many of either."""
+    count = tail = 0
     for i in range(2 * len(corners)):
         c = corners[i // 2]
         f = c - c % 3
@@ -90,29 +80,46 @@ def look(start, length, apex_x, apex_y, twin, corners, epsilon, limit, queue, si
             count += 1
         if length[h] < direct[neighbour]:
             direct[neighbour] = length[h]
-            if length[h] > 0.0:
-                near[neighbour], hop[neighbour] = (1.0 - epsilon) * length[h], length[h]
+            if length[h] > 0.0:  # a vertex in the same place covers nothing: each would leave it to the other
+                near[neighbour] = (1.0 - epsilon) * length[h]
     for c in corners:
         f = c - c % 3
         opposite, last = f + (c + 1) % 3, f + (c + 2) % 3
         a, b = start[opposite], start[last]
-        if twin[opposite] >= 0 and tail <= mask:
+        if twin[opposite] >= 0 and tail < len(sides):
             sides[tail] = 2 * twin[opposite] + (start[twin[opposite]] == b)
             queue[tail, 0] = queue[tail, 4] = queue[tail, 8] = apex_x[c]
             queue[tail, 1] = queue[tail, 5] = queue[tail, 9] = apex_y[c]
-            queue[tail, 2] = queue[tail, 6] = queue[tail, 12] = length[c]
-            queue[tail, 3] = queue[tail, 7] = queue[tail, 13] = 0.0
-            queue[tail, 10], queue[tail, 11] = near[b], hop[b]
-            queue[tail, 14], queue[tail, 15] = near[a], hop[a]
+            queue[tail, 2] = queue[tail, 6] = queue[tail, 11] = length[c]
+            queue[tail, 3] = queue[tail, 7] = queue[tail, 12] = 0.0
+            queue[tail, 10], queue[tail, 13] = near[b], near[a]
             tail += 1
+    return count, tail
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def look(start, length, apex_x, apex_y, twin, corners, epsilon, limit, queue, sides, near, direct, found, met):  # type: ignore[no-untyped-def]  # fmt: skip
+    """Edges of the discrete geodesic graph out of the vertex of these corners.
+
+    Returns
+    -------
+    number of edges
+        Their ends are in ``found``, their lengths in ``direct``.
+    number of vertices met otherwise
+        In ``met``; with those of ``found`` they are the ones for which ``near`` was set.
+    whether the queue was long enough
+    """
+    count, tail = look_around(start, length, apex_x, apex_y, twin, corners, epsilon, queue, sides, near, direct, found)
+    head = others = 0
+    mask = len(sides) - 1  # the queue is a ring, its size a power of two
     while head < tail and tail - head < mask:
         slot = head & mask
         side = sides[slot]
         h = side >> 1
         lx, ly, rx, ry = queue[slot, 0], queue[slot, 1], queue[slot, 2], queue[slot, 3]
         left_ray, right_ray = (queue[slot, 4], queue[slot, 5]), (queue[slot, 6], queue[slot, 7])
-        p = (queue[slot, 8], queue[slot, 9], queue[slot, 10], queue[slot, 11])
-        q = (queue[slot, 12], queue[slot, 13], queue[slot, 14], queue[slot, 15])
+        p = (queue[slot, 8], queue[slot, 9], queue[slot, 10])
+        q = (queue[slot, 11], queue[slot, 12], queue[slot, 13])
         head += 1
         # Third vertex of the triangle entered, and its other two sides. Neighbours may disagree on
         # orientation: on which hand a side starts is kept with the side.
@@ -137,16 +144,13 @@ def look(start, length, apex_x, apex_y, twin, corners, epsilon, limit, queue, si
                     found[count] = apex
                     count += 1
                 direct[apex] = distance
-                if (1.0 - epsilon) * distance < near[apex]:
-                    near[apex], hop[apex] = (1.0 - epsilon) * distance, distance
-            elif over_p <= over_q and over_p < near[apex]:
-                near[apex], hop[apex] = over_p, p[3]
-            elif over_q < near[apex]:
-                near[apex], hop[apex] = over_q, q[3]
+                near[apex] = min(near[apex], (1.0 - epsilon) * distance)
+            else:
+                near[apex] = min(near[apex], over_p, over_q)
             if new and direct[apex] == np.inf:
                 met[others] = apex
                 others += 1
-            c = (cx, cy, near[apex], hop[apex])
+            c = (cx, cy, near[apex])
             left_end = right_end = (cx, cy)
             left_q = q if over_q <= distance < direct[apex] else c
             right_p = p if over_p <= distance < direct[apex] else c
@@ -185,8 +189,8 @@ def look(start, length, apex_x, apex_y, twin, corners, epsilon, limit, queue, si
             sides[slot] = 2 * twin[child] + (start[twin[child]] == left_vertex)
             queue[slot, 0], queue[slot, 1], queue[slot, 2], queue[slot, 3] = ax, ay, bx, by
             queue[slot, 4], queue[slot, 5], queue[slot, 6], queue[slot, 7] = fx, fy, ex, ey
-            queue[slot, 8], queue[slot, 9], queue[slot, 10], queue[slot, 11] = near_p
-            queue[slot, 12], queue[slot, 13], queue[slot, 14], queue[slot, 15] = far_q
+            queue[slot, 8], queue[slot, 9], queue[slot, 10] = near_p
+            queue[slot, 11], queue[slot, 12], queue[slot, 13] = far_q
             tail += 1
     return count, others, head == tail
 
@@ -195,7 +199,7 @@ def look(start, length, apex_x, apex_y, twin, corners, epsilon, limit, queue, si
 def look_from(start, length, apex_x, apex_y, twin, corner_start, corners, vertices, epsilon, limit):  # type: ignore[no-untyped-def]  # fmt: skip
     """Edges of the graph out of some vertices: how many each, their ends and lengths."""
     n = len(corner_start) - 1
-    near, hop, direct = np.full(n, np.inf), np.full(n, np.inf), np.full(n, np.inf)
+    near, direct = np.full(n, np.inf), np.full(n, np.inf)
     found, met = np.empty(n, np.int32), np.empty(n, np.int32)
     queue, sides = np.empty((512, WIDTH)), np.empty(512, np.int64)
     counts = np.zeros(len(vertices), np.int64)
@@ -206,7 +210,7 @@ def look_from(start, length, apex_x, apex_y, twin, corner_start, corners, vertic
         near[v] = direct[v] = 0.0
         count, others, complete = look(
             start, length, apex_x, apex_y, twin, corners[corner_start[v] : corner_start[v + 1]],
-            epsilon, limit, queue, sides, near, hop, direct, found, met,
+            epsilon, limit, queue, sides, near, direct, found, met,
         )  # fmt: skip
         if total + count > len(ends):
             more, longer = np.empty(2 * (total + count), np.int32), np.empty(2 * (total + count))
@@ -215,9 +219,9 @@ def look_from(start, length, apex_x, apex_y, twin, corner_start, corners, vertic
         for k in range(count):
             q = found[k]
             ends[total + k], lengths[total + k] = q, direct[q]
-            near[q] = hop[q] = direct[q] = np.inf
+            near[q] = direct[q] = np.inf
         for k in range(others):
-            near[met[k]] = hop[met[k]] = np.inf
+            near[met[k]] = np.inf
         near[v] = direct[v] = np.inf
         if complete:
             counts[i] = count
