@@ -13,10 +13,48 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from qgeo_filters.differential.scalar import Scalar
+    from qgeo_widgets.compare_widget import CompareWidget
     from qgeo_widgets.geodesics_widget import GeodesicsWidget
     from qgeo_widgets.matrix_widget import MatrixWidget
+    from qgeo_widgets.symmetry_widget import SymmetryWidget
 
-__all__ = ["geodesics", "matrix"]
+__all__ = ["compare", "geodesics", "matrix", "symmetry"]
+
+
+def compare(
+    x: Any,
+    y: Any,
+    *,
+    p2p: npt.ArrayLike | None = None,
+    truth: npt.ArrayLike | None = None,
+    curvature_weight: float = 0.03,
+    size: tuple[int, int] = (440, 400),
+    progress: bool = True,
+) -> CompareWidget:
+    """Widget of two shapes whose views move together, and of the map between them.
+
+    Click a point on either shape: its partner is marked on the other, and the distances from both are
+    shown. A second click draws the quasi-geodesics between the two points on both shapes, with their lengths. Colours
+    are carried from X to Y, or show matched regions, an eigenfunction, an attribute, or the error against the truth.
+
+    Parameters
+    ----------
+    x, y : mesh objects
+        What `qgeo_filters.as_surface` takes.
+    p2p : array-like of int, shape (n_x,), optional
+        Vertex of Y for each vertex of X. By default found by `qgeo_filters.match`, with a progress bar.
+    truth : array-like of int, shape (n_x,), optional
+        The true map, to show the error.
+    curvature_weight : float
+        Of the lifted metric in which distances are shown; 0 is the surfaces' own.
+    size : (int, int)
+        Width and height of each canvas in pixels.
+    progress : bool
+        Show progress while the map is sought.
+    """
+    from qgeo_widgets.compare_widget import CompareWidget
+
+    return CompareWidget(x, y, p2p=p2p, truth=truth, curvature_weight=curvature_weight, size=size, progress=progress)
 
 
 def geodesics(
@@ -73,3 +111,27 @@ def matrix(
     from qgeo_widgets.matrix_widget import MatrixWidget
 
     return MatrixWidget(x, matrix=matrix, curvature_weight=curvature_weight, size=size)
+
+
+def symmetry(
+    x: Any, *, symmetry: Any = None, curvature_weight: float = 0.03, size: tuple[int, int] = (440, 400)
+) -> SymmetryWidget:
+    """Widget of a shape's self-symmetry, seen from the front and from behind.
+
+    Mirror images in one colour with the axis between them, the two sides, the asymmetry, and the regions of eq. (3),
+    which follow the sliders of epsilon and k0. Click a point and see its mirror image.
+
+    Parameters
+    ----------
+    x : mesh object
+        What `qgeo_filters.as_surface` takes.
+    symmetry : Symmetry, optional
+        By default found by `qgeo_filters.self_symmetry`.
+    curvature_weight : float
+        Of the lifted metric of the eigenfunctions in eq. (3); 0 is the surface's own.
+    size : (int, int)
+        Width and height of each canvas in pixels.
+    """
+    from qgeo_widgets.symmetry_widget import SymmetryWidget
+
+    return SymmetryWidget(x, symmetry=symmetry, curvature_weight=curvature_weight, size=size)

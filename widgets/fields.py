@@ -84,13 +84,16 @@ class ColorField:
 Field = ScalarField | ColorField
 
 
-def region_field(labels: Sequence[npt.NDArray[np.integer]], label: str) -> ColorField:
+def region_field(
+    labels: Sequence[npt.NDArray[np.integer]], label: str, names: Sequence[str] = (), loose_name: str = "none"
+) -> ColorField:
     """Field of numbered regions, equal numbers in equal colours; grey where the number is negative."""
     count = int(max(int(numbers.max(initial=-1)) for numbers in labels)) + 1
     palette = np.vstack([distinct(count), np.full((1, 3), 0.62)])
     rgb = [palette[np.where(numbers < 0, count, numbers)] for numbers in labels]
     loose = any((numbers < 0).any() for numbers in labels)
-    key = [(palette[k], str(k)) for k in range(min(count, 24))] + ([(palette[count], "none")] if loose else [])
+    names = names or [str(k) for k in range(min(count, 24))]
+    key = [(palette[k], name) for k, name in enumerate(names)] + ([(palette[count], loose_name)] if loose else [])
     return ColorField(rgb, label, key)
 
 

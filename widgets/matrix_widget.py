@@ -47,6 +47,7 @@ class MatrixWidget(ShapeWidget):
         with self._guarded():
             shape = Shape(mesh, "X", curvature_weight)
             self._shape = shape
+            self._placing = False
             sample = _evenly(shape.surface.n_vertices, _ROWS)
             table = _checked_rows(matrix, sample, shape)
             order = matrix_order(table[:, sample])
@@ -99,7 +100,7 @@ class MatrixWidget(ShapeWidget):
         return vertex
 
     def _row_chosen(self, change: Any) -> None:
-        if change["new"] >= 0 and self._row_of_vertex.get(self.picked if self.picked is not None else -1) != self.row:
+        if change["new"] >= 0 and not self._placing:
             self.picked = int(self._vertex_of_row[self.row])
 
     def _vertex_chosen(self, change: Any) -> None:
@@ -113,13 +114,17 @@ class MatrixWidget(ShapeWidget):
         nearest = self._row_of_vertex.get(vertex)
         if nearest is None:
             nearest = int(self._table[:, vertex].argmin())
-        self.row = nearest
+        self._placing = True  # the line goes to the nearest row, the pick stays
+        try:
+            self.row = nearest
+        finally:
+            self._placing = False
         self._pane.show(nearest)
         self._viewer.panes[0].set_mark("picked", self._shape.surface.vertices[vertex])
-        if self.mode == DISTANCE:
+        if str(self.mode) == DISTANCE:
             self._refresh()
         else:
-            self.mode = DISTANCE
+            self.set_trait("mode", DISTANCE)
         if self._field is not None and not self.message:
             self._describe(vertex)
 

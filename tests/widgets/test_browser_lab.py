@@ -1,0 +1,149 @@
+"""The widgets in a real JupyterLab, by mouse, in a headless Chromium."""
+
+from __future__ import annotations
+
+import time
+
+import browser as tools
+import numpy as np
+import pytest
+
+from qgeo_widgets.frames import frame_of
+from qgeo_widgets.viewer import Viewer
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+
+
+@pytest.fixture
+def notebook(page, lab, pair, request):
+    """Function that opens a notebook with the two shapes and one more cell, and runs it."""
+    x, y, where = pair
+    x.write(lab.folder / "x.ply")
+    y.write(lab.folder / "y.ply")
+    np.save(lab.folder / "where.npy", where)
+    load = (
+        "import numpy as np, qgeo_filters as qg, qgeo_widgets as qw\n"
+        "x, y, where = qg.Surface.read('x.ply'), qg.Surface.read('y.ply'), np.load('where.npy')"
+    )
+    return lambda cell: tools.Notebook(page, lab, f"{request.node.name}.ipynb", [load, cell])
+
+
+def place_on_screen(surface, vertex: int, size: tuple[int, int], canvas) -> tuple[float, float]:
+    """Where on the page the first view shows a vertex, and that it faces the viewer."""
+    viewer = Viewer([surface], [frame_of(surface)], size, ["X"])
+    camera, frame = np.array(viewer.home), viewer.panes[0].frame
+    viewer.close()
+    x, y, z = frame.to_scene(surface.vertices[vertex])
+    slope = np.tan(np.radians(26.0 / 2)) * (camera[2] - z)
+    box = canvas.bounding_box()
+    right = box["x"] + box["width"] * 0.5 * (1 + x / (slope * size[0] / size[1]))
+    return right, box["y"] + box["height"] * 0.5 * (1 - y / slope)
+
+
+def front_vertices(surface) -> list[int]:
+    """Vertices that look at the viewer in the first view, most of all first."""
+    return np.argsort(-(surface.vertex_normals @ frame_of(surface).axes[2])).tolist()
+
+
+def test_compare_by_mouse(notebook, page, pair):
+    x, _, where = pair
+    book = notebook("w = qw.compare(x, y, p2p=where, truth=where)\nw")
+    left, right = book.canvases(2)
+    before_left, before_right = tools.settled(left), tools.settled(right)
+
+    # A drag on one view turns both while it lasts, and is no click.
+    tools.drag(page, right, 70, 25, release=False)
+    tools.until(lambda: np.abs(tools.pixels(left) - before_left).mean() > 1)
+    tools.until(lambda: np.abs(tools.pixels(right) - before_right).mean() > 1)
+    page.mouse.up()
+    tools.until(lambda: book.python("print(w.camera != w._viewer.home)") == "True")
+    assert book.python("print(w.picked)") == "None"
+    page.get_by_role("button", name="reset view").click()
+    tools.until(lambda: book.python("print(np.allclose(w.camera, w._viewer.home))") == "True")
+    tools.until(lambda: np.abs(tools.pixels(left) - before_left).mean() < 0.5)
+    time.sleep(0.5)
+
+    # A click gives Python the vertex under the mouse, marks its partner, and shows distances.
+    vertex = front_vertices(x)[0]
+    page.mouse.click(*place_on_screen(x, vertex, (440, 400), left))
+    tools.until(lambda: book.python("print(w.picked)") != "None")
+    assert book.python("print(w.picked, w.pairs, w.mode)") == (
+        f"('x', {vertex}) [({vertex}, {where[vertex]})] distance from the picked point"
+    )
+    for canvas, before in ((left, before_left), (right, before_right)):
+        tools.until(lambda canvas=canvas, before=before: np.abs(tools.pixels(canvas) - before).mean() > 3)
+    # The red ball stands in the middle of the darkest blue on both shapes.
+    for canvas in (left, right):
+        picture = tools.settled(canvas)
+        assert ((picture[..., 0] > 150) & (picture[..., 1] < 70) & (picture[..., 2] < 80)).sum() > 20
+    page.get_by_text(f"vertex {where[vertex]}", exact=True).wait_for()
+
+    # A second click draws a path on both shapes and tells its length.
+    second = next(v for v in front_vertices(x) if np.linalg.norm(x.vertices[v] - x.vertices[vertex]) > 0.5)
+    page.mouse.click(*place_on_screen(x, second, (440, 400), left))
+    tools.until(lambda: book.python("print(w.second)") == f"('x', {second})")
+    page.get_by_text("quasi-geodesic", exact=True).wait_for()
+
+    # The list of modes and the slider change the colours.
+    page.get_by_label("colour").select_option("eigenfunction")
+    tools.until(lambda: book.python("print(w.mode, w.k)") == "eigenfunction 1")
+    first = tools.settled(left)
+    page.locator(".widget-slider:visible .noUi-handle").first.press("ArrowRight")
+    tools.until(lambda: book.python("print(w.k)") == "2")
+    tools.until(lambda: np.abs(tools.pixels(left) - first).mean() > 3)
+
+    # A mistake is a sentence on the page.
+    assert book.python("w.mode = 'attribute: weight'") == ""
+    page.get_by_text("There is no attribute 'weight' here").wait_for()
+
+    # Closing takes the canvases away and leaves no widget behind.
+    book.python("from ipywidgets.widgets.widget import _instances\nw.close()")
+    tools.until(lambda: page.locator(tools.CANVAS).count() == 0)
+    assert book.python("print(len(_instances))") == "0"
+
+
+def test_matrix_by_mouse(notebook, page, pair):
+    book = notebook("w = qw.matrix(x)\nw")
+    matrix, shape = book.canvases(2)
+    before = tools.settled(shape)
+    box = matrix.bounding_box()
+    rows = len(pair[0].vertices)
+    for fraction in (0.2, 0.7):
+        page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + fraction * box["height"])
+        tools.until(lambda f=fraction: abs(int(book.python("print(w.row)")) - f * rows) < 3)
+    assert book.python("print(w.mode, w.picked == w._vertex_of_row[w.row])") == "distances of the row True"
+    tools.until(lambda: np.abs(tools.pixels(shape) - before).mean() > 3)
+
+
+def test_geodesics_by_mouse(notebook, page, pair):
+    x = pair[0]
+    book = notebook("w = qw.geodesics(x)\nw")
+    (canvas,) = book.canvases(1)
+    before = tools.settled(canvas)
+    source = front_vertices(x)[0]
+    target = next(v for v in front_vertices(x) if np.linalg.norm(x.vertices[v] - x.vertices[source]) > 0.6)
+    for name, vertex in (("source", source), ("target", target)):
+        page.mouse.click(*place_on_screen(x, vertex, (500, 420), canvas))
+        tools.until(lambda name=name, vertex=vertex: book.python(f"print(w.{name})") == str(vertex))
+    page.get_by_label("geodesic curvature along the path").wait_for()
+    tools.until(lambda: np.abs(tools.pixels(canvas) - before).mean() > 0.1)
+    length = float(book.python("print(w.path.length)"))
+    handle = page.locator(".widget-slider:visible .noUi-handle").first
+    for _ in range(10):
+        handle.press("ArrowRight")
+    tools.until(lambda: float(book.python("print(w.weight)")) > 0.06)
+    assert float(book.python("print(w.path.length)")) > length
+
+
+def test_a_page_without_webgl_shows_a_picture_and_a_sentence(chromium, lab, pair):
+    pair[0].write(lab.folder / "x.ply")
+    browser = chromium.browser_type.launch(
+        executable_path=tools.chromium(), headless=True, args=["--no-sandbox", "--disable-gpu", "--disable-3d-apis"]
+    )
+    page = browser.new_page(viewport={"width": 1280, "height": 1000})
+    cells = ["import qgeo_filters as qg, qgeo_widgets as qw", "w = qw.geodesics(qg.Surface.read('x.ply'))\nw"]
+    tools.Notebook(page, lab, "no_webgl.ipynb", cells)
+    page.get_by_text("This browser shows no WebGL").wait_for(timeout=tools.PATIENCE)
+    picture = page.get_by_alt_text("the shape, drawn in software")
+    tools.until(lambda: tools.pixels(picture).std() > 15)
+    browser.close()

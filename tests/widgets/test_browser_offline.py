@@ -1,0 +1,128 @@
+"""Pages written by the widgets, opened from a file in a browser that is offline."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+
+import browser as tools
+import numpy as np
+import pytest
+import shapes
+
+import qgeo_widgets as qw
+from qgeo_filters import Surface
+
+
+@pytest.fixture
+def offline(chromium, tmp_path):
+    """Function that opens a page offline; afterwards nothing was asked for but the file, and nothing failed."""
+    context = chromium.new_context(viewport={"width": 1100, "height": 900}, offline=True)
+    page = context.new_page()
+    asked, failed = [], []
+    page.on("request", lambda request: asked.append(request.url))
+    page.on("pageerror", lambda error: failed.append(str(error)))
+
+    def opened(path):
+        page.goto(path.as_uri())
+        return page
+
+    yield opened
+    assert [url for url in asked if not url.startswith(("file:", "data:"))] == []
+    assert failed == []
+    context.close()
+
+
+def page_data(path) -> dict:
+    """The data inside a page."""
+    return json.loads(re.search(r'<script id="data"[^>]*>(.*?)</script>', path.read_text(), re.S)[1])
+
+
+def array(text: str, dtype: type) -> np.ndarray:
+    return np.frombuffer(base64.b64decode(text), dtype)
+
+
+def test_a_page_holds_shapes_colors_and_partners_as_they_are(pair, tmp_path):
+    x, y, where = pair
+    widget = qw.compare(x, y, p2p=where)
+    widget.mode = "attribute: height"
+    widget.picked = ("x", 4)
+    widget.to_html(tmp_path / "page.html")
+    data = page_data(tmp_path / "page.html")
+    np.testing.assert_array_equal(array(data["shapes"][0]["index"], np.uint32).reshape(-1, 3), x.faces)
+    np.testing.assert_array_equal(array(data["partners"][0], np.int32), where)
+    assert data["modes"][data["start"]]["name"] == "attribute: height"
+    painted = data["modes"][data["start"]]["steps"][0]["panes"][0]
+    colors = array(painted["lut"], np.uint8).reshape(-1, 3)[array(painted["index"], np.uint8)]
+    np.testing.assert_allclose(colors / 255, widget._viewer.panes[0].colors, atol=0.02)
+    assert [mark["color"] for mark in data["shapes"][1]["marks"]] == ["#db1c29"]
+    steps = {mode["name"]: len(mode["steps"]) for mode in data["modes"]}
+    assert steps["eigenfunction"] == 20
+    assert widget.mode == "attribute: height"
+    assert widget.k == 1
+    widget.close()
+
+
+def test_modes_of_a_page_can_be_chosen(pair, tmp_path):
+    x, y, where = pair
+    widget = qw.compare(x, y, p2p=where)
+    widget.to_html(tmp_path / "page.html", modes=["attribute: height"])
+    assert [mode["name"] for mode in page_data(tmp_path / "page.html")["modes"]] == ["attribute: height"]
+    with pytest.raises(ValueError, match="unknown modes"):
+        widget.to_html(tmp_path / "page.html", modes=["nonsense"])
+    widget.close()
+
+
+def test_names_cannot_break_the_page(pair, tmp_path):
+    x = Surface(pair[0].vertices, pair[0].faces, {"</script><b>": np.arange(162.0)})
+    widget = qw.compare(x, pair[1], p2p=pair[2])
+    widget.to_html(tmp_path / "page.html")
+    assert page_data(tmp_path / "page.html")["modes"][-1]["name"] == "attribute: </script><b>"
+    widget.close()
+
+
+@pytest.mark.browser
+def test_compare_page_turns_both_views_picks_partners_and_switches_modes(pair, tmp_path, offline):
+    x, y, where = pair
+    widget = qw.compare(x, y, p2p=where)
+    widget.to_html(tmp_path / "page.html")
+    widget.close()
+    page = offline(tmp_path / "page.html")
+    left, right = page.locator(".view canvas").first, page.locator(".view canvas").last
+    tools.until(lambda: tools.pixels(left).std() > 15)
+    before = tools.settled(left), tools.settled(right)
+    tools.drag(page, left, 60, 20, release=False)
+    for canvas, old in zip((left, right), before, strict=True):
+        assert np.abs(tools.settled(canvas) - old).mean() > 1
+    page.mouse.up()
+    assert "vertex" not in page.locator("#picked").inner_text()
+    page.get_by_role("button", name="reset view").click()
+    np.testing.assert_allclose(tools.settled(left), before[0], atol=2)
+    box = left.bounding_box()
+    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    text = page.locator("#picked").inner_text()
+    i, j = map(int, re.fullmatch(r"vertex (\d+) of X ↔ vertex (\d+) of Y", text).groups())
+    assert where[i] == j
+    page.select_option("#mode", label="eigenfunction")
+    first = tools.settled(left)
+    page.locator("#step").fill("3")
+    assert np.abs(tools.settled(left) - first).mean() > 2
+    assert "φ₃" in page.locator("#legend").inner_text()
+
+
+@pytest.mark.browser
+def test_matrix_page_shows_rows_under_the_mouse(tmp_path, offline):
+    widget = qw.matrix(Surface(*shapes.blob(2, seed=3)))
+    vertices = widget._vertex_of_row
+    widget.to_html(tmp_path / "page.html")
+    widget.close()
+    page = offline(tmp_path / "page.html")
+    shape, matrix = page.locator(".view canvas"), page.locator(".matrix canvas")
+    tools.until(lambda: tools.pixels(shape).std() > 15)
+    before = tools.settled(shape)
+    box = matrix.bounding_box()
+    page.mouse.move(box["x"] + 100, box["y"] + 0.25 * box["height"])
+    row = int(0.25 * len(vertices))
+    assert page.locator("#picked").inner_text() == f"row {row}: distances from vertex {vertices[row]}"
+    assert np.abs(tools.settled(shape) - before).mean() > 2

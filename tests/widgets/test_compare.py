@@ -1,0 +1,246 @@
+"""The widget that compares two shapes, driven through its traits."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+import traitlets
+
+import qgeo_widgets as qw
+from qgeo_filters import Surface, distances, lifted_metric, quasi_geodesic
+from qgeo_widgets import compare_widget as names
+
+
+@pytest.fixture
+def widget(pair):
+    x, y, where = pair
+    widget = qw.compare(x, y, p2p=where, truth=where)
+    assert widget.message == ""
+    yield widget
+    widget.close()
+
+
+def colors(widget) -> list[np.ndarray]:
+    return [pane.colors for pane in widget._viewer.panes]
+
+
+def test_carried_colors_agree_at_partners(widget, pair):
+    on_x, on_y = colors(widget)
+    np.testing.assert_array_equal(on_x, on_y[pair[2]])
+    assert len(np.unique(on_x, axis=0)) > 100
+
+
+def test_a_pick_on_either_side_marks_both_and_shows_both_distances(widget, pair):
+    x, _, where = pair
+    widget._clicked(1, 33)
+    assert widget.picked == ("y", 33)
+    (i, j) = widget.pairs[0]
+    assert (where[i], j) == (33, 33)
+    assert widget.mode == names.DISTANCE
+    for pane, vertex in zip(widget._viewer.panes, (i, j), strict=True):
+        np.testing.assert_array_equal(pane.marks["first"][0], pane.surface.vertices[vertex])
+    field = widget._field
+    expected = distances(x, [i], lifted_metric(x))[0] / np.sqrt(x.area)
+    np.testing.assert_allclose(field.values[0], expected)
+    np.testing.assert_allclose(field.values[1][where], field.values[0], rtol=5e-3, atol=1e-6)
+    assert f"vertex {i}" in widget._info.value
+    assert "height" in widget._info.value
+
+
+def test_two_picks_draw_the_paths_with_their_lengths(widget, pair):
+    x, _, where = pair
+    widget.picked = ("x", 3)
+    widget.second = ("x", 150)
+    path = quasi_geodesic(x, 3, 150, lifted_metric(x))
+    assert f"{path.length / np.sqrt(x.area):.4f}" in widget._info.value
+    on_x, on_y = (pane.lines["path"][0] for pane in widget._viewer.panes)
+    np.testing.assert_allclose(on_x, path.points)
+    np.testing.assert_allclose(on_y[[0, -1]], pair[1].vertices[where[[3, 150]]])
+    widget._clicked(0, 7)  # a third click starts anew
+    assert widget.second is None
+    assert widget._viewer.panes[0].lines == {}
+
+
+def test_follow_off_keeps_the_mode(widget):
+    widget.follow = False
+    widget._clicked(0, 5)
+    assert widget.mode == names.CARRIED
+    assert widget.picked == ("x", 5)
+
+
+def test_eigenfunctions_follow_k_and_agree_in_sign(widget, pair):
+    widget.mode = "eigenfunction"
+    for k in (1, 2, 3):
+        widget.k = k
+        on_x, on_y = widget._field.values
+        np.testing.assert_allclose(on_y[pair[2]], on_x, atol=0.06 * np.abs(on_x).max())
+    assert widget._k_slider.value == 3
+    assert widget._k_slider.max == 20
+
+
+def test_error_of_the_truth_is_zero_and_of_another_map_is_not(widget, pair):
+    x, y, where = pair
+    widget.mode = names.ERROR
+    assert widget._field.values[0].max() == 0
+    other = qw.compare(x, y, p2p=np.roll(where, 1), truth=where)
+    other.mode = names.ERROR
+    row = distances(y, [where[0]])[0] / np.sqrt(y.area)
+    np.testing.assert_allclose(other._field.values[0][0], row[other.p2p[0]], rtol=1e-3)
+    other.close()
+
+
+def test_limits_change_colors_and_legend_and_a_mode_resets_them(widget):
+    widget.picked = ("x", 0)
+    widget.mode = names.DISTANCE
+    before = colors(widget)[0].copy()
+    widget.limits = (0.0, 0.3)
+    assert np.abs(colors(widget)[0] - before).max() > 0.1
+    assert ">0.3<" in widget._legend.value
+    widget.mode = names.CARRIED
+    assert widget.limits is None
+    assert widget._span_slider.layout.display == "none"
+
+
+def test_range_slider_of_a_signed_scale_stays_centred(widget):
+    widget.mode = "eigenfunction"
+    top = widget._field.bounds[1]
+    widget._span_slider.value = (30.0, 100.0)
+    np.testing.assert_allclose(widget.limits, (-0.4 * top, 0.4 * top))
+    assert widget._span_slider.value == pytest.approx((30.0, 70.0))
+
+
+def test_attribute_of_one_shape_only_is_grey_on_the_other(widget):
+    widget.mode = "attribute: height"
+    on_x, on_y = colors(widget)
+    assert len(np.unique(on_x, axis=0)) > 50
+    assert len(np.unique(on_y, axis=0)) == 1
+    assert "no value" in widget._legend.value
+
+
+def test_an_unknown_mode_or_attribute_is_a_sentence_and_changes_nothing(widget):
+    before = widget.mode
+    widget.mode = "attribute: weight"
+    assert widget.mode == before
+    assert "no attribute 'weight'" in widget.message
+    assert "no attribute" in widget._message_line.value
+    widget.mode = "nonsense"
+    assert "no mode 'nonsense'" in widget.message
+    widget.mode = "eigenfunction"
+    assert widget.message == ""
+
+
+def test_distance_without_a_pick_asks_for_one(widget):
+    widget.mode = names.DISTANCE
+    assert "Click a point" in widget.message
+
+
+def test_picks_are_checked(widget):
+    with pytest.raises(ValueError, match="picked is vertex 5000"):
+        widget.picked = ("x", 5000)
+    with pytest.raises(traitlets.TraitError):
+        widget.picked = ("z", 1)
+    assert widget.picked is None
+
+
+def test_traits_can_be_observed_and_the_camera_set(widget):
+    seen = []
+    widget.observe(lambda change: seen.append(change["new"]), ["picked", "mode", "camera"])
+    widget.camera = (1.0, 2.0, 3.0)
+    widget._viewer._camera.set_state({"position": [3.0, 2.0, 1.0]})
+    widget._clicked(0, 9)
+    assert seen == [(1.0, 2.0, 3.0), (3.0, 2.0, 1.0), ("x", 9), names.DISTANCE]
+    widget.reset_view()
+    assert widget.camera == widget._viewer.home
+
+
+@pytest.mark.parametrize("kind", ["faces", "map", "path", "object"])
+def test_bad_input_is_a_sentence_in_the_widget(pair, kind):
+    x, y, where = pair
+    widget = {
+        "faces": lambda: qw.compare((x.vertices, np.empty((0, 3), int)), y, p2p=where),
+        "map": lambda: qw.compare(x, y, p2p=where[:-1]),
+        "path": lambda: qw.compare("no-such-file.off", y, p2p=where),
+        "object": lambda: qw.compare(x, 17, p2p=where),
+    }[kind]()
+    sentence = {"faces": "no faces", "map": "p2p must be", "path": "no-such-file", "object": "cannot take a mesh"}
+    assert sentence[kind] in widget.message
+    assert "Traceback" not in widget._message_line.value
+    with pytest.raises(ValueError, match="nothing to draw"):
+        widget.snapshot()
+    widget.close()
+
+
+def test_hosts_of_all_kinds_come_in(pair):
+    open3d = pytest.importorskip("open3d")
+    pymeshlab = pytest.importorskip("pymeshlab")
+    pyvista = pytest.importorskip("pyvista")
+    x, y, where = pair
+    legacy = open3d.geometry.TriangleMesh(
+        open3d.utility.Vector3dVector(x.vertices.copy()), open3d.utility.Vector3iVector(x.faces.copy())
+    )
+    meshes = pymeshlab.MeshSet()
+    meshes.add_mesh(pymeshlab.Mesh(y.vertices.copy(), y.faces.copy()))
+    surface = pyvista.PolyData.from_regular_faces(y.vertices, y.faces)
+    for host in (meshes, surface):
+        widget = qw.compare(legacy, host, p2p=where)
+        assert widget.message == ""
+        np.testing.assert_allclose(widget._viewer.panes[1].surface.vertices, y.vertices)
+        widget.close()
+
+
+def test_nothing_is_computed_twice(widget, monkeypatch):
+    calls = []
+    original = distances
+    monkeypatch.setattr("qgeo_widgets.shape.distances", lambda *a, **k: calls.append(a[1]) or original(*a, **k))
+    widget.picked = ("x", 5)
+    widget.mode = names.DISTANCE
+    widget.limits = (0.0, 0.2)
+    widget.mode = names.CARRIED
+    widget.mode = names.DISTANCE
+    widget.second = ("x", 8)
+    widget.picked = ("x", 6)
+    widget.picked = ("x", 5)
+    assert len(calls) == 4  # two vertices on two shapes
+
+
+def test_fifty_thousand_vertices_change_color_quickly(fine):
+    n = fine.n_vertices
+    surface = Surface(fine.vertices, fine.faces, {"a": np.arange(n, dtype=float), "b": fine.vertices[:, 0]})
+    widget = qw.compare(surface, fine, p2p=np.arange(n))
+    widget.mode = "attribute: a"
+    spent = []
+    for name in ("attribute: b", "attribute: a", "attribute: b"):
+        start = time.process_time()
+        widget.mode = name
+        spent.append(time.process_time() - start)
+    widget.close()
+    # The aim is .1 s; a busy machine may take longer, a quadratic mistake would take minutes.
+    assert min(spent) < 0.5
+
+
+def test_closing_frees_everything(pair, counted):
+    x, y, where = pair
+    widget = qw.compare(x, y, p2p=where)
+    widget._clicked(0, 3)
+    widget._clicked(0, 30)
+    widget.mode = "eigenfunction"
+    assert counted() > 50
+    widget.close()
+    assert counted() == 0
+
+
+def test_picture_for_hosts_without_widgets(widget):
+    bundle = widget._repr_mimebundle_()
+    data = bundle[0] if isinstance(bundle, tuple) else bundle
+    assert "application/vnd.jupyter.widget-view+json" in data
+    assert data["image/png"][:4] == b"\x89PNG"
+    for fallback in widget._viewer.fallbacks:
+        assert "data:image/png" in fallback._picture.value
+
+
+def test_snapshot_is_written_whole(widget, tmp_path):
+    png = widget.snapshot(tmp_path / "a.png")
+    assert (tmp_path / "a.png").read_bytes() == png
+    assert [p.name for p in tmp_path.iterdir()] == ["a.png"]

@@ -1,0 +1,196 @@
+"""The widget of self-symmetry: mirror images, axis, sides, asymmetry, and the regions of eq. (3)."""
+
+from __future__ import annotations
+
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import traitlets
+
+from qgeo_filters.matching.symmetry_measure import symmetry_regions, symmetry_sum
+from qgeo_filters.report.colors import position_colors
+from qgeo_filters.validation import checked_index
+from qgeo_widgets import controls
+from qgeo_widgets.base import ATTRIBUTE, EIGENFUNCTION, ShapeWidget
+from qgeo_widgets.contours import sign_changes
+from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field, region_field
+from qgeo_widgets.frames import frame_of
+from qgeo_widgets.shape import EIGENFUNCTIONS, Shape
+from qgeo_widgets.viewer import Viewer
+
+FloatArray = npt.NDArray[np.float64]
+
+MIRRORED = "mirror images in one colour"
+SIDES = "sides"
+ASYMMETRY = "asymmetry"
+REGIONS = "regions of eq. (3)"
+SUM = "sum of eq. (3)"
+_PICKED, _IMAGE, _AXIS = (0.86, 0.11, 0.16), (0.98, 0.70, 0.10), (0.1, 0.1, 0.12)
+_BANDS = 8
+
+
+class SymmetryWidget(ShapeWidget):
+    """A shape and its self-symmetry, from the front and from behind; see `qgeo_widgets.symmetry`.
+
+    Attributes
+    ----------
+    picked : int or None
+        The vertex that was clicked; `image` is its mirror image.
+    epsilon, k0 : float, int
+        Of eq. (3): width of the regions, and number of eigenfunctions in the sum.
+    """
+
+    _page_title = "A shape and its self-symmetry"
+    picked = traitlets.Int(None, allow_none=True)
+    epsilon = traitlets.Float(1.0)
+    k0 = traitlets.Int(EIGENFUNCTIONS, min=1, max=EIGENFUNCTIONS)
+
+    def __init__(self, mesh: Any, *, symmetry: Any, curvature_weight: float, size: tuple[int, int]) -> None:
+        super().__init__()
+        with self._guarded():
+            shape = self._shape = Shape(mesh, "X", curvature_weight)
+            self._symmetry = self._found() if symmetry is None else symmetry
+            frame = frame_of(shape.surface)
+            titles = [f"<b>shape</b>, {shape.surface.n_vertices} vertices", "<b>from behind</b>"]
+            viewer = Viewer([shape.surface] * 2, [frame, frame.turned()], size, titles)
+            self._modes = self._make_modes()
+            total = float(np.ptp(self._sum))
+            self.epsilon = total / _BANDS
+            self._epsilon_slider = controls.number("ε", self.epsilon, total / 60, total, total / 200)
+            self._k0_slider = controls.whole("k₀", self.k0, 1, min(EIGENFUNCTIONS, shape.surface.n_vertices))
+            traitlets.link((self, "epsilon"), (self._epsilon_slider, "value"))
+            traitlets.link((self, "k0"), (self._k0_slider, "value"))
+            viewer.on_pick(lambda _, vertex: self.set_trait("picked", vertex))
+            mode = MIRRORED if self._symmetry.found else REGIONS
+            self._assemble(viewer, ["front", "from behind"], mode, beside=[self._epsilon_slider, self._k0_slider])
+            self._draw_axis()
+            self.observe(lambda _: self._show_picked(), "picked")
+            self.observe(lambda _: self._measure_changed(), ["epsilon", "k0"])
+            self._show_picked()
+            if not self._symmetry.found:
+                self.message = f"{self._symmetry.reason} The regions of eq. (3) are shown."
+
+    @property
+    def image(self) -> int | None:
+        """Mirror image of the picked vertex, None without one."""
+        return int(self._symmetry.p2p[self.picked]) if self.picked is not None and self._symmetry.found else None
+
+    def _found(self) -> Any:
+        from qgeo_filters.matching.symmetry import self_symmetry
+
+        return self_symmetry(self._shape.surface)
+
+    # -- picking ------------------------------------------------------------------------------------
+
+    @traitlets.validate("picked")
+    def _valid_vertex(self, proposal: Any) -> int | None:
+        vertex = proposal["value"]
+        if vertex is not None and self._viewer is not None:
+            checked_index(vertex, self._shape.surface.n_vertices, "picked")
+        return vertex
+
+    def _show_picked(self) -> None:
+        if self._viewer is None:
+            return
+        vertices = self._shape.surface.vertices
+        for pane in self._viewer.panes:
+            pane.set_mark("picked", None if self.picked is None else vertices[self.picked], _PICKED)
+            pane.set_mark("image", None if self.image is None else vertices[self.image], _IMAGE)
+        if self.picked is None:
+            self._info.value = controls.table([["Click a point to see its mirror image."]])
+            return
+        here = self.picked
+        rows = [["vertex", str(here)]]
+        if self.image is not None:
+            sides = {-1: "left", 0: "axis", 1: "right"}
+            rows += [
+                ["mirror image", str(self.image)],
+                ["side", sides.get(int(self._symmetry.side[here]), str(self._symmetry.side[here]))],
+                ["asymmetry there", f"{self._symmetry.asymmetry[here]:.4f}"],
+                ["|s(p) − s(Tp)|", f"{abs(self._sum[here] - self._sum[self.image]):.4f}, ε = {self.epsilon:.4f}"],
+            ]
+        self._info.value = controls.table([*rows, *self._shape.described(here)])
+
+    def _draw_axis(self) -> None:
+        if self._viewer is None or not self._symmetry.found:
+            return
+        for number, curve in enumerate(sign_changes(self._shape.surface, self._symmetry.side)):
+            for pane in self._viewer.panes:
+                pane.set_line(f"axis {number}", curve, _AXIS, 3.0)
+
+    # -- colours ------------------------------------------------------------------------------------
+
+    def _make_modes(self) -> dict[str, Any]:
+        modes: dict[str, Any] = {}
+        if self._symmetry.found:
+            modes = {MIRRORED: self._mirrored_field, SIDES: self._side_field, ASYMMETRY: self._asymmetry_field}
+        modes |= {REGIONS: self._region_field, SUM: self._sum_field, EIGENFUNCTION: self._eigen_field}
+        for name in self._shape.surface.attributes:
+            modes[ATTRIBUTE + name] = partial(self._attribute_field, name)
+        return modes
+
+    def _columns(self) -> int:
+        name = str(self.mode)
+        measured = "" if name in (REGIONS, SUM) else "none"
+        self._k0_slider.layout.display = measured
+        self._epsilon_slider.layout.display = measured if name == REGIONS else "none"
+        if name == EIGENFUNCTION:
+            return min(EIGENFUNCTIONS, self._shape.surface.n_vertices)
+        return self._shape.columns(name.removeprefix(ATTRIBUTE)) if name.startswith(ATTRIBUTE) else 1
+
+    def _measure_changed(self) -> None:
+        if str(self.mode) in (REGIONS, SUM):
+            self._refresh()
+        self._show_picked()
+
+    @property
+    def _sum(self) -> FloatArray:
+        return symmetry_sum(self._shape.spectrum, min(self.k0, self._shape.spectrum.k))
+
+    @cached_property
+    def _mirror_colors(self) -> FloatArray:
+        vertices = self._shape.surface.vertices
+        assert self._viewer is not None
+        # Seen across the mirror plane the two places of a pair fall together, whatever the pose.
+        middle = 0.5 * (vertices + vertices[self._symmetry.p2p])
+        return position_colors(middle, self._viewer.panes[0].frame.axes)
+
+    def _mirrored_field(self) -> Field:
+        return ColorField(
+            [self._mirror_colors] * 2, "a point and its mirror image have one colour; the line is the axis"
+        )
+
+    def _side_field(self) -> Field:
+        side = np.asarray(self._symmetry.side)
+        numbers = np.where(side > 0, 1, np.where(side < 0, 0, -1))
+        return region_field([numbers] * 2, "the two sides and the axis between them", ["left", "right"], "on the axis")
+
+    def _asymmetry_field(self) -> Field:
+        label = "asymmetry: mean |d(p, q) − d(Tp, Tq)| / √area"
+        return ScalarField([np.asarray(self._symmetry.asymmetry, dtype=np.float64)] * 2, label)
+
+    def _region_field(self) -> Field:
+        k0 = min(self.k0, self._shape.spectrum.k)
+        regions = symmetry_regions(self._shape.spectrum, epsilon=self.epsilon, k0=k0)
+        label = f"bands of the sum of the first {k0} eigenfunctions, ε = {self.epsilon:.3f} wide"
+        return region_field([regions] * 2, label)
+
+    def _sum_field(self) -> Field:
+        return ScalarField([self._sum] * 2, f"Σ |φₖ| √A over k ≤ {min(self.k0, self._shape.spectrum.k)} (no unit)")
+
+    def _eigen_field(self) -> Field:
+        return ScalarField([self._shape.eigenfunction(self.k)] * 2, f"φ, k = {self.k}, times √A (no unit)", True)
+
+    def _attribute_field(self, name: str) -> Field:
+        return number_field([self._shape.attribute(name, self.k)] * 2, name)
+
+    def _page_extras(self) -> dict[str, Any]:
+        if not self._symmetry.found:
+            return {}
+        image = np.asarray(self._symmetry.p2p)
+        return {
+            "partners": [image, image],
+            "hint": "Click a point: its mirror image is marked in the other view.",
+        }
