@@ -1,0 +1,63 @@
+"""Maps between all vertices that the search proposes, with how well each keeps distances and orientation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.matching.descriptor import Descriptor
+from qgeo_filters.matching.finish import grown
+from qgeo_filters.matching.orientation import orientation
+from qgeo_filters.matching.search import search
+
+IndexArray = npt.NDArray[np.int64]
+
+# Maps that distort distances by more than this times the best are not worth growing.
+_WORTHWHILE = 2.0
+# Points between which distances are compared.
+_POINTS = 300
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A map between all vertices, right in the large or not.
+
+    Attributes
+    ----------
+    p2p : (n_x,) int
+    distortion : float
+        Mean |d_X(p, q) - d_Y(Tp, Tq)|, in units of sqrt(area), over farthest points.
+    orientation : float
+        See `orientation`.
+    """
+
+    p2p: IndexArray
+    distortion: float
+    orientation: float
+
+
+def candidates(x: Descriptor, y: Descriptor, *, identity: bool = True) -> list[Candidate]:
+    """Different maps from X to Y, the least distorting first; see `search` for ``identity``."""
+    hypotheses = search(x, y, identity=identity)
+    worth = [h for h in hypotheses if h.distortion <= _WORTHWHILE * hypotheses[0].distortion + 0.01]
+    found = [candidate(x, y, grown(x, y, hypothesis)) for hypothesis in worth]
+    return sorted(found, key=lambda c: c.distortion)
+
+
+def candidate(x: Descriptor, y: Descriptor, p2p: IndexArray) -> Candidate:
+    """The map with its measures."""
+    return Candidate(p2p, distortion(x, y, p2p), orientation(x.unit, y.unit, p2p))
+
+
+def distortion(x: Descriptor, y: Descriptor, p2p: IndexArray) -> float:
+    """Mean |d_X(p, q) - d_Y(Tp, Tq)| over pairs of farthest points, in units of sqrt(area).
+
+    Images are taken to the nearest farthest point of Y, which adds about half of their spacing in quadrature.
+    """
+    s = min(_POINTS, len(x.rows), len(y.rows))
+    points = x.samples[:s]
+    near = np.argmin(y.rows[:, p2p[points]], axis=0)
+    between = y.rows[near][:, p2p[points]]
+    return float(np.abs(x.rows[:s, points] - between).mean())

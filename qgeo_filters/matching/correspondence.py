@@ -1,0 +1,219 @@
+"""Correspondence of two shapes with no initial map."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.geodesics.matrix import distances
+from qgeo_filters.matching.candidates import Candidate, candidate, candidates
+from qgeo_filters.matching.descriptor import Descriptor
+from qgeo_filters.matching.finish import Finished, finished
+from qgeo_filters.matching.orientation import orientation
+from qgeo_filters.matching.refine import functional_map
+from qgeo_filters.matching.regions import eigenfunction_regions
+from qgeo_filters.matching.search import DISTINCT
+from qgeo_filters.matching.symmetry import self_symmetry
+from qgeo_filters.spectral.commutative import commutative_eigenspectra
+from qgeo_filters.surface import Surface
+from qgeo_filters.validation import frozen
+
+FloatArray = npt.NDArray[np.float64]
+IndexArray = npt.NDArray[np.int64]
+
+# Points to which distances are compared for the distortion.
+_PROBES = 200
+# The runner-up must distort distances by this much more, and the map by no more than that, to be sure of it.
+_MARGIN = 1.15
+_SURE = 0.12
+# A finished map whose orientation is below this did not settle on one side.
+_ORIENTED = 0.3
+
+
+@dataclass(frozen=True, eq=False)
+class Correspondence:
+    """Map from each vertex of X to a vertex of Y.
+
+    Attributes
+    ----------
+    p2p : (n_x,) int64
+        Vertex of Y for each vertex of X.
+    inverse : (n_y,) int64
+        Vertex of X for each vertex of Y.
+    functional_map : (20, 20) float64
+        C in the eigenfunctions of the distances: ``phi_x @ C`` approximates ``phi_y[p2p]``, for unit-area shapes.
+    c_xy : float
+        Distance of the first 20 eigenfunctions, paired along the map (paper, sec. 4.2), see `spectral_distance`; both
+        in the last metric of the descriptors, which is the lifted one.
+    distortion : (n_x,) float64
+        Mean over points q of |d_X(p, q) - d_Y(Tp, Tq)|, in units of sqrt(area).
+    score : float
+        Mean of the distortion over the area: 0 for an isometry.
+    runner_up : float
+        Score of the best other map that keeps the orientation; inf if none was proposed. Both were compared before the
+        finish, so that this is on the scale of ``first``.
+    first : float
+        What the chosen map scored when it was compared with the runner-up.
+    orientation : float
+        See `orientation`: near 0.7 for a map between shapes of the same handedness; negative if Y is a mirror image.
+    confident : bool
+        Whether the map stands clear of the others, keeps distances, and has one orientation.
+    explanation : str
+        Why it is confident, or what is ambiguous, in a sentence.
+    regions_x, regions_y : (n_x,), (n_y,) int32
+        Regions of equal number on both shapes, see `eigenfunction_regions`.
+    positions : (n_x, 3) float64
+        X deformed onto Y, in Y's frame and unit.
+    """
+
+    p2p: IndexArray
+    inverse: IndexArray
+    functional_map: FloatArray
+    c_xy: float
+    distortion: FloatArray
+    score: float
+    runner_up: float
+    first: float
+    orientation: float
+    confident: bool
+    explanation: str
+    regions_x: npt.NDArray[np.int32]
+    regions_y: npt.NDArray[np.int32]
+    positions: FloatArray
+
+
+def match(
+    x: Surface | Descriptor, y: Surface | Descriptor, *, normalize: bool = True, progress: bool = False
+) -> Correspondence:
+    """Correspondence between two shapes that bend into each other, with no initial map.
+
+    Parameters
+    ----------
+    x, y : Surface or Descriptor
+        In one piece, manifold, oriented; any triangulation, position and number of vertices. Pass descriptors
+        where a shape takes part in several matches: all that belongs to one shape is computed once.
+    normalize : bool
+        Whether to compare shapes regardless of size. If not, and their areas differ by more than a tenth, they are
+        refused.
+    progress : bool
+        Whether to show a progress bar over the distances.
+
+    Returns
+    -------
+    Correspondence
+
+    Raises
+    ------
+    MeshError
+        See `Descriptor`.
+    ValueError
+        Shapes of different size with ``normalize=False``.
+
+    Notes
+    -----
+    Coarse maps come from all choices of signs of the first eigenfunctions of the distances, in several metrics
+    (`search`); they are grown by spectral upsampling and compared by the distortion of distances. A shape with
+    a left and a right has a mirrored twin of every good map, which keeps distances as well: the twin of
+    each map that turns the surface inside out is made by the self-symmetry, and only maps that keep the
+    orientation compete. The best is finished on all vertices (`finished`). The result does not depend on the signs and
+    order that a solver returns, nor on position and size.
+    """
+    a, b = Descriptor.of(x, progress), Descriptor.of(y, progress)
+    if not normalize and abs(a.scale / b.scale - 1) > 0.05:
+        raise ValueError(
+            f"the areas are {a.scale**2:.6g} and {b.scale**2:.6g}: shapes of different size are compared with "
+            "normalize=True"
+        )
+    competing, mirrored = _competing(a, b)
+    best = competing[0]
+    target = b.mirrored if mirrored else b
+    result = finished(a, target, best.p2p)
+    return _described(a, b, result, competing, mirrored)
+
+
+def _competing(x: Descriptor, y: Descriptor) -> tuple[list[Candidate], bool]:
+    """Different maps that keep the orientation, the least distorting first; or, if none does, those that reverse it."""
+    proposed = candidates(x, y)
+    kept = [c for c in proposed if c.orientation > 0]
+    reversing = [c for c in proposed if c.orientation <= 0]
+    if reversing:
+        mirror = self_symmetry(y)
+        other = mirror if mirror.found else self_symmetry(x)
+        if other.found:
+            twins = [candidate(x, y, other.nearest[c.p2p] if mirror.found else c.p2p[other.nearest]) for c in reversing]
+            kept += [twin for twin in twins if twin.orientation > 0]
+    mirrored = not kept or (
+        # Not one of the maps in the right hand is nearly as good: Y is the mirror image of something asymmetric.
+        bool(reversing) and min(c.distortion for c in reversing) < 0.5 * min(c.distortion for c in kept)
+    )
+    pool = sorted(reversing if mirrored else kept, key=lambda c: c.distortion)
+    return _distinct(y, pool), mirrored
+
+
+def _distinct(y: Descriptor, pool: list[Candidate]) -> list[Candidate]:
+    """Candidates whose images differ from those of all better ones, in the mean over the vertices."""
+    kept: list[Candidate] = []
+    near = y.rows[:, :].T  # position of each vertex as distances to landmarks
+    columns = np.arange(0, near.shape[1], 8)
+    for c in pool:
+        if all(np.abs(near[c.p2p][:, columns] - near[k.p2p][:, columns]).max(axis=1).mean() > DISTINCT for k in kept):
+            kept.append(c)
+    return kept
+
+
+def _described(
+    x: Descriptor, y: Descriptor, result: Finished, competing: list[Candidate], mirrored: bool
+) -> Correspondence:
+    p2p = result.p2p
+    probes = x.samples[:_PROBES]
+    there = distances(y.unit, p2p[probes])
+    distortion = np.abs(x.rows[: len(probes)] - there[:, p2p]).mean(axis=0, dtype=np.float64)
+    score = float(x.areas @ distortion)
+    turned = orientation(x.unit, y.unit, p2p)
+    first = competing[0].distortion
+    runner_up = competing[1].distortion if len(competing) > 1 else float("inf")
+    confident, explanation = _verdict(score, first, runner_up, turned, mirrored)
+    spectrum_x, spectrum_y = x.views[-1].spectrum, y.views[-1].spectrum
+    phi_x, phi_y = spectrum_x.eigenfunctions, spectrum_y.eigenfunctions
+    flip = np.array([-1.0, 1.0, 1.0]) if mirrored else 1.0
+    centre = y.surface.vertex_areas @ y.surface.vertices / y.surface.area
+    regions_x, regions_y = eigenfunction_regions(phi_x, phi_y, p2p, x.areas)
+    return Correspondence(
+        p2p=frozen(p2p),
+        inverse=frozen(result.inverse),
+        functional_map=frozen(functional_map(phi_x, phi_y, p2p, x.areas)),
+        c_xy=commutative_eigenspectra(spectrum_x, spectrum_y, p2p).c_xy,
+        distortion=frozen(distortion),
+        score=score,
+        runner_up=runner_up,
+        first=first,
+        orientation=turned,
+        confident=confident,
+        explanation=explanation,
+        regions_x=frozen(regions_x),
+        regions_y=frozen(regions_y),
+        positions=frozen(result.positions * flip * y.scale + centre),
+    )
+
+
+def _verdict(score: float, first: float, runner_up: float, turned: float, mirrored: bool) -> tuple[bool, str]:
+    hand = "Y is matched as a mirror image of X: no map that keeps the orientation keeps distances" if mirrored else ""
+    if score > _SURE:
+        return False, f"distances differ by {score:.3f} sqrt(area) in the mean: the shapes are not near-isometric" + (
+            f"; {hand}" if hand else ""
+        )
+    if abs(turned) < _ORIENTED:
+        return False, f"the map turns much of the surface over (orientation {turned:.2f}): parts may be mirrored"
+    if runner_up < _MARGIN * first:
+        return False, (
+            f"another map keeps distances nearly as well ({runner_up:.3f} against {first:.3f} sqrt(area)): "
+            "the shape looks alike in more than one way"
+        )
+    if mirrored:
+        return False, hand
+    return True, (
+        f"distances are kept to {score:.3f} sqrt(area) in the mean; the next different map is at {runner_up:.3f} "
+        f"where this one was at {first:.3f}"
+    )

@@ -1,0 +1,206 @@
+"""What matching needs to know of a shape, computed once and used against any number of others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.errors import MeshError
+from qgeo_filters.geodesics.lifting import lifted_metric
+from qgeo_filters.geodesics.matrix import distance_matrix
+from qgeo_filters.matching.rigidity import Rigidity
+from qgeo_filters.spectral.distance_spectrum import Spectrum, check_areas, spectrum_of_matrix
+from qgeo_filters.spectral.laplacian import laplacian_spectrum
+from qgeo_filters.surface import Surface
+from qgeo_filters.validation import frozen
+
+FloatArray = npt.NDArray[np.float64]
+SingleArray = npt.NDArray[np.float32]
+IndexArray = npt.NDArray[np.int64]
+
+#: Weights of mean curvature in the metrics that propose maps: the surface's own metric and the lifted one.
+METRIC_WEIGHTS = (0.0, 0.03)
+#: Fewest vertices of a shape that can be matched: the search needs more points than eigenfunctions.
+MINIMUM_VERTICES = 60
+# Eigenfunctions of the distances and of the Laplacian, and farthest points.
+_DISTANCE_FUNCTIONS = 100
+_LAPLACIAN_FUNCTIONS = 200
+# The paper's k0.
+_PAPER_FUNCTIONS = 20
+_SAMPLES = 2000
+# Farthest points whose distances to all vertices are kept.
+_ROWS = 800
+
+
+@dataclass(frozen=True, eq=False)
+class MetricView:
+    """A unit-area shape in one metric.
+
+    Attributes
+    ----------
+    weight : float
+        Weight of mean curvature in the metric, see `lifted_metric`.
+    eigenvalues : (k,) float64
+        Of the distance operator, by decreasing absolute value.
+    eigenfunctions : (n, k) float32
+    spectrum : Spectrum
+        The first 20 of them, in full precision.
+    rows : (r, n) float32
+        Distances from the first farthest points to all vertices.
+    """
+
+    weight: float
+    eigenvalues: FloatArray
+    eigenfunctions: SingleArray
+    spectrum: Spectrum
+    rows: SingleArray
+
+
+class Descriptor:
+    """A shape prepared for matching: unit-area copy, distances, spectra, farthest points; each on first use.
+
+    Parameters
+    ----------
+    surface : Surface
+        Manifold, in one piece, oriented.
+    weights : sequence of float
+        Weights of mean curvature in the metrics that propose maps.
+    progress : bool
+        Whether to show a progress bar over the distances.
+
+    Raises
+    ------
+    MeshError
+        Surface not manifold, in several pieces, not orientable, with a vertex of no area, or of fewer than 60
+        vertices.
+
+    Notes
+    -----
+    Memory is O(800 n): the matrix of all distances is dropped once it has been used.
+    """
+
+    def __init__(self, surface: Surface, *, weights: Sequence[float] = METRIC_WEIGHTS, progress: bool = False) -> None:
+        check_matchable(surface)
+        if not weights:
+            raise ValueError("at least one metric must propose maps: weights is empty")
+        self.surface = surface
+        self.weights = tuple(float(weight) for weight in weights)
+        self.scale = float(np.sqrt(surface.area))
+        centre = surface.vertex_areas @ surface.vertices / surface.area
+        self.unit = Surface((surface.vertices - centre) / self.scale, surface.faces)
+        self._progress = progress
+
+    def __repr__(self) -> str:
+        return f"Descriptor({self.surface!r}, weights={self.weights})"
+
+    @classmethod
+    def of(cls, shape: Surface | Descriptor, progress: bool = False) -> Descriptor:
+        """The descriptor itself, or that of a surface."""
+        return shape if isinstance(shape, Descriptor) else cls(shape, progress=progress)
+
+    @property
+    def n_vertices(self) -> int:
+        """Number of vertices."""
+        return self.unit.n_vertices
+
+    @cached_property
+    def areas(self) -> FloatArray:
+        """Area of each vertex, (n,), summing to 1."""
+        return self.unit.vertex_areas
+
+    @cached_property
+    def normals(self) -> FloatArray:
+        """Angle-weighted unit normals, (n, 3)."""
+        return self.unit.vertex_normals
+
+    @cached_property
+    def views(self) -> tuple[MetricView, ...]:
+        """The shape in each metric; the same farthest points in all."""
+        return tuple(self._view(weight) for weight in self.weights)
+
+    @cached_property
+    def samples(self) -> IndexArray:
+        """Farthest points, (m,) with m up to 2000, the vertex of largest mean distance first."""
+        if not self.views:  # the first view chooses them, with all distances at hand
+            raise AssertionError("a descriptor has at least one metric")
+        return self._samples
+
+    @cached_property
+    def rows(self) -> SingleArray:
+        """Distances from the first farthest points to all vertices in the first metric, (r, n)."""
+        return self.views[0].rows
+
+    @cached_property
+    def laplacian(self) -> SingleArray:
+        """Eigenfunctions of the Laplace-Beltrami operator, (n, up to 200)."""
+        count = min(_LAPLACIAN_FUNCTIONS, self.n_vertices // 3)
+        return laplacian_spectrum(self.unit, count).eigenfunctions.astype(np.float32)
+
+    @cached_property
+    def rigidity(self) -> Rigidity:
+        """Its as-rigid-as-possible deformation."""
+        return Rigidity(self.unit.vertices, self.unit.faces)
+
+    @cached_property
+    def mirrored(self) -> Descriptor:
+        """Its image in a mirror, vertex by vertex: intrinsically the same, and nothing is computed again."""
+        other = object.__new__(Descriptor)
+        other.__dict__.update({key: value for key, value in self.__dict__.items() if key not in _EXTRINSIC})
+        # Reflected faces turn over, so that normals keep pointing out.
+        flip = np.array([-1.0, 1.0, 1.0])
+        other.surface = Surface(self.surface.vertices * flip, self.surface.faces[:, ::-1])
+        other.unit = Surface(self.unit.vertices * flip, self.unit.faces[:, ::-1])
+        for name in ("views", "samples", "rows", "laplacian", "areas"):
+            other.__dict__[name] = getattr(self, name)
+        other._samples = self._samples
+        return other
+
+    def _view(self, weight: float) -> MetricView:
+        metric = lifted_metric(self.unit, weight=weight)
+        matrix = distance_matrix(self.unit, metric, progress=self._progress)
+        k = min(_DISTANCE_FUNCTIONS, self.n_vertices // 3)
+        spectrum = spectrum_of_matrix(matrix, self.areas, k)
+        if "_samples" not in self.__dict__:
+            self._samples = farthest_rows(matrix, self.areas, min(_SAMPLES, self.n_vertices))
+        return MetricView(
+            weight,
+            spectrum.eigenvalues,
+            frozen(spectrum.eigenfunctions.astype(np.float32)),
+            spectrum.truncated(min(_PAPER_FUNCTIONS, k)),
+            frozen(matrix[self._samples[:_ROWS]]),
+        )
+
+
+_EXTRINSIC = ("surface", "unit", "normals", "rigidity", "mirrored")
+
+
+def check_matchable(surface: Surface) -> None:
+    """Raise `MeshError`, saying why, for a surface that cannot be matched."""
+    surface.require_manifold("matching")
+    surface.require_connected("matching")
+    if not surface.is_oriented:
+        raise MeshError(
+            "matching tells a shape from its mirror image by the orientation of its faces, but neighbouring faces "
+            "disagree; repair=True turns them, unless the surface is one-sided"
+        )
+    check_areas(surface.vertex_areas)
+    if surface.n_vertices < MINIMUM_VERTICES:
+        raise MeshError(f"matching needs at least {MINIMUM_VERTICES} vertices, got {surface.n_vertices}")
+
+
+def farthest_rows(matrix: npt.NDArray[np.float32], areas: FloatArray, count: int) -> IndexArray:
+    """Farthest points, shape (count,), from all distances: each is the farthest from those before it.
+
+    The first is the vertex of largest mean distance, so that the numbering does not matter.
+    """
+    points = np.empty(count, dtype=np.int64)
+    points[0] = int((matrix @ areas.astype(np.float32)).argmax())
+    nearest = matrix[points[0]].copy()
+    for i in range(1, count):
+        points[i] = int(nearest.argmax())
+        np.minimum(nearest, matrix[points[i]], out=nearest)
+    return frozen(points)

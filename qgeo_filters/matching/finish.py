@@ -1,0 +1,178 @@
+"""From a coarse map to one between all vertices: eigenfunctions, positions and normals agree together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.matching.descriptor import Descriptor
+from qgeo_filters.matching.refine import nearest, nearest_both, upsampled
+from qgeo_filters.matching.search import Hypothesis
+
+FloatArray = npt.NDArray[np.float64]
+SingleArray = npt.NDArray[np.float32]
+IndexArray = npt.NDArray[np.int64]
+
+# Farthest points on which the eigenfunctions of the distances are brought together.
+_GROWTH_POINTS = 800
+_GROWTH_STEP = 5
+# Farthest points that are matched while the basis is still too small to tell vertices apart.
+_COARSE_BASIS = 100
+
+
+@dataclass(frozen=True)
+class Pass:
+    """One passage through the frequencies.
+
+    Attributes
+    ----------
+    sizes : tuple of int
+        Numbers of Laplacian eigenfunctions, increasing.
+    first, last : float
+        Length, in sqrt(area), below which the deformed shape does not follow the map, at the first and last size.
+    normals : float
+        Weight of normals against positions.
+    """
+
+    sizes: tuple[int, ...]
+    first: float
+    last: float
+    normals: float
+
+
+#: What was best on the tuning categories (see benchmarks/README.md).
+PASSES = (
+    Pass((20, 30, 45, 65, 90, 120, 160, 200), 0.05, 0.02, 0.15),
+    Pass((20, 30, 45, 65, 90, 120, 160, 200), 0.03, 0.015, 0.07),
+)
+# Matchings at each size, and turns of the deformation for each.
+_MATCHINGS = 2
+_TURNS = 3
+_FIRST_TURNS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Finished:
+    """A map between all vertices, in both directions.
+
+    Attributes
+    ----------
+    p2p : (n_x,) int
+    inverse : (n_y,) int
+    positions : (n_x, 3) float64
+        X deformed onto the unit-area Y.
+    embedding_x, embedding_y : (n, d) float32
+        What was compared: nearest rows are matched.
+    """
+
+    p2p: IndexArray
+    inverse: IndexArray
+    positions: FloatArray
+    embedding_x: SingleArray
+    embedding_y: SingleArray
+
+
+def grown(x: Descriptor, y: Descriptor, hypothesis: Hypothesis) -> IndexArray:
+    """Map (n_x,) between all vertices by spectral upsampling over the eigenfunctions of the distances."""
+    phi_x, phi_y = (shape.views[hypothesis.metric].eigenfunctions for shape in (x, y))
+    width = min(phi_x.shape[1], phi_y.shape[1])
+    start = min(20, width)
+    coarse = upsampled(phi_x, phi_y, hypothesis.p2p, hypothesis.points, [start])
+    points = x.samples[:_GROWTH_POINTS]
+    images = nearest(phi_x[points, :start] @ coarse, phi_y[:, :start])
+    functional = upsampled(phi_x, phi_y, images, points, range(start, width + 1, _GROWTH_STEP))
+    k = len(functional)
+    return nearest(phi_x[:, :k] @ functional, phi_y[:, :k])
+
+
+def finished(x: Descriptor, y: Descriptor, p2p: IndexArray, passes: tuple[Pass, ...] = PASSES) -> Finished:
+    r"""Map between all vertices from one that is right in the large.
+
+    From low to high frequencies, each vertex of X is matched with the vertex of Y that is nearest in three things
+    together: the Laplacian's eigenfunctions (through the functional map of the current matches), the position, and
+    the normal, of X deformed towards its matches as rigidly as possible. Matches are taken in both directions, so
+    that no part of Y stays uncovered. The maps must keep the orientation: for one that reverses it, pass
+    ``y.mirrored``.
+
+    References
+    ----------
+    Eisenberger, Laehner, Cremers, "Smooth shells: multi-scale shape registration with functional maps", CVPR 2020,
+    for intrinsic and extrinsic features from coarse to fine; Ren, Melzi, Wonka, Ovsjanikov, "Discrete
+    optimization for shape matching", SGP 2021, for maps in both directions.
+    """
+    state = _State(x, y, p2p)
+    for number, stage in enumerate(passes):
+        sizes = [k for k in stage.sizes if k <= min(x.laplacian.shape[1], y.laplacian.shape[1])]
+        for step, k in enumerate(sizes):
+            length = stage.first * (stage.last / stage.first) ** (step / max(len(sizes) - 1, 1))
+            state.advance(k, length, stage.normals, fresh=step == 0, last=number == len(passes) - 1 and k == sizes[-1])
+    return Finished(state.forth, state.back, state.positions, *state.embeddings)
+
+
+class _State:
+    """Matches in both directions, and the deformed shape; changed by each step."""
+
+    def __init__(self, x: Descriptor, y: Descriptor, p2p: IndexArray) -> None:
+        self.x, self.y = x, y
+        self.points_x, self.forth = np.arange(x.n_vertices), p2p
+        self.points_y, self.back = np.zeros(0, np.int64), np.zeros(0, np.int64)
+        self.positions = np.zeros((0, 3))
+        self.embeddings: tuple[SingleArray, SingleArray] = (np.zeros((0, 0), np.float32),) * 2
+
+    def advance(self, k: int, length: float, normals: float, *, fresh: bool, last: bool) -> None:
+        """Deform and match again with k eigenfunctions."""
+        coarse = k < _COARSE_BASIS and not last
+        x, y = self.x, self.y
+        for _ in range(_MATCHINGS):
+            functional = self._functional(k)
+            targets, mass = self._targets()
+            pull = mass / length**2
+            solve = x.rigidity.pulled(pull)
+            first = not len(self.positions)
+            if first:
+                self.positions = targets if mass.all() else y.unit.vertices[self.forth]
+            for _turn in range(_FIRST_TURNS if first else _TURNS):
+                self.positions = x.rigidity.step(solve, pull, self.positions, targets, 3 if fresh else 1)
+            # Eigenfunctions weigh as coordinates do: their sum over k is about k / area.
+            weight = 1 / (k * np.sqrt(np.pi))
+            deformed = x.unit.with_vertices(self.positions)
+            left = [weight * (x.laplacian[:, :k] @ functional), self.positions, normals * deformed.vertex_normals]
+            right = [weight * y.laplacian[:, :k], y.unit.vertices, normals * y.normals]
+            self.embeddings = np.column_stack(left).astype(np.float32), np.column_stack(right).astype(np.float32)
+            self.points_x = x.samples if coarse else np.arange(x.n_vertices)
+            self.points_y = y.samples if coarse else np.arange(y.n_vertices)
+            forth, back = nearest_both(self.embeddings[0][self.points_x], self.embeddings[1][self.points_y])
+            self.forth, self.back = self.points_y[forth], self.points_x[back]
+
+    def _pairs(self) -> tuple[IndexArray, IndexArray, FloatArray]:
+        """Matched vertices of X and of Y, and the area that each match stands for."""
+        x, y = self.x, self.y
+        some = np.concatenate([self.points_x, self.back]), np.concatenate([self.forth, self.points_y])
+        return *some, np.concatenate([_shares(x, self.points_x), _shares(y, self.points_y)])
+
+    def _functional(self, k: int) -> SingleArray:
+        i, j, weight = self._pairs()
+        left, right = self.x.laplacian[i, :k], self.y.laplacian[j, :k]
+        weighted = left * weight[:, None].astype(np.float32)
+        return np.linalg.solve(weighted.T @ left, weighted.T @ right)
+
+    def _targets(self) -> tuple[FloatArray, FloatArray]:
+        """Mean position on Y of the matches of each vertex of X, and the area by which it is drawn there."""
+        i, j, weight = self._pairs()
+        n = self.x.n_vertices
+        total = np.bincount(i, weight, n)
+        moved = self.y.unit.vertices[j] * weight[:, None]
+        sums = np.column_stack([np.bincount(i, moved[:, axis], n) for axis in range(3)])
+        targets: FloatArray = sums / np.where(total > 0, total, 1.0)[:, None]
+        mass = np.zeros(n)
+        mass[self.points_x] = _shares(self.x, self.points_x)
+        return targets, mass
+
+
+def _shares(shape: Descriptor, points: IndexArray) -> FloatArray:
+    """Part of the area for which each point stands: its own where all vertices take part, equal parts otherwise."""
+    if len(points) == shape.n_vertices:
+        return shape.areas
+    return np.full(len(points), 1.0 / max(len(points), 1))

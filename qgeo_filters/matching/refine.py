@@ -1,0 +1,102 @@
+"""Point maps and functional maps: from one to the other, and to higher frequencies.
+
+Direction: ``p2p[i]`` is the point of Y for point i of X. A functional map C (k_x, k_y) takes the coordinates of
+X's points in X's eigenfunctions to those in Y's: ``phi_x @ C`` approximates ``phi_y[p2p]``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+IndexArray = npt.NDArray[np.int64]
+
+# Rows of the similarity matrix at once.
+_BLOCK = 1024
+
+
+def nearest(points: npt.NDArray, others: npt.NDArray) -> IndexArray:
+    """Row of others (m, d) nearest to each row of points (..., n, d), shape (..., n); the first of equals."""
+    half = 0.5 * np.einsum("ij,ij->i", others, others)
+    similarity = points @ others.T
+    similarity -= half
+    return similarity.argmax(axis=-1)
+
+
+def nearest_both(points: npt.NDArray, others: npt.NDArray) -> tuple[IndexArray, IndexArray]:
+    """Nearest row of others (m, d) to each of points (n, d), and the reverse, shapes (n,) and (m,)."""
+    half = 0.5 * np.einsum("ij,ij->i", points, points)
+    other_half = 0.5 * np.einsum("ij,ij->i", others, others)
+    forth = np.empty(len(points), dtype=np.int64)
+    back = np.zeros(len(others), dtype=np.int64)
+    best = np.full(len(others), -np.inf, dtype=points.dtype)
+    columns = np.arange(len(others))
+    for first in range(0, len(points), _BLOCK):
+        part = slice(first, first + _BLOCK)
+        similarity = points[part] @ others.T
+        forth[part] = (similarity - other_half).argmax(axis=1)
+        similarity -= half[part, None]
+        row = similarity.argmax(axis=0)
+        value = similarity[row, columns]
+        better = value > best
+        best[better] = value[better]
+        back[better] = row[better] + first
+    return forth, back
+
+
+def functional_map(
+    basis_x: npt.NDArray, basis_y: npt.NDArray, p2p: IndexArray, weights: npt.NDArray | None = None
+) -> npt.NDArray:
+    """Least-squares functional map C (k_x, k_y) of a point map: ``basis_x @ C`` close to ``basis_y[p2p]``.
+
+    Parameters
+    ----------
+    basis_x : (..., n, k_x)
+    basis_y : (m, k_y)
+    p2p : (n,) int
+    weights : (n,), optional
+        Area of each point of X; equal by default.
+    """
+    left = basis_x if weights is None else basis_x * weights[:, None]
+    return np.linalg.solve(left.T @ basis_x, left.T @ basis_y[p2p])
+
+
+def orthogonal(functional: npt.NDArray) -> npt.NDArray:
+    """Nearest orthogonal matrix (polar projection), also of a stack (..., k, k)."""
+    u, _, v = np.linalg.svd(functional)
+    return u @ v
+
+
+def upsampled(
+    basis_x: npt.NDArray, basis_y: npt.NDArray, p2p: IndexArray, points: IndexArray, sizes: Iterable[int]
+) -> npt.NDArray:
+    """Functional map (k, k) of the largest size, from a point map of some points, by spectral upsampling.
+
+    Parameters
+    ----------
+    basis_x, basis_y : (n_x, k), (n_y, k)
+        Eigenfunctions of both shapes.
+    p2p : (s,) int
+        Vertex of Y for each of ``points``.
+    points : (s,) int
+        Vertices of X.
+    sizes : iterable of int
+        Numbers of eigenfunctions, increasing.
+
+    References
+    ----------
+    Melzi, Ren, Rodola, Sharma, Wonka, Ovsjanikov, "ZoomOut: spectral upsampling for efficient shape
+    correspondence", SIGGRAPH Asia 2019.
+    """
+    result = None
+    for k in sizes:
+        if result is not None:
+            width = result.shape[0]
+            p2p = nearest(basis_x[points, :width] @ result, basis_y[:, :width])
+        result = orthogonal(functional_map(basis_x[points, :k], basis_y[:, :k], p2p))
+    if result is None:
+        raise ValueError("spectral upsampling needs at least one number of eigenfunctions")
+    return result

@@ -1,0 +1,56 @@
+"""Regions of equal colour on two shapes (paper, Fig. 6)."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.matching.refine import functional_map, nearest, orthogonal
+
+FloatArray = npt.NDArray[np.float64]
+IndexArray = npt.NDArray[np.int64]
+
+_TURNS = 20
+
+
+def eigenfunction_regions(
+    phi_x: FloatArray, phi_y: FloatArray, p2p: IndexArray, areas_x: FloatArray, count: int = 12
+) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:
+    """Region of each vertex of X and of Y, shapes (n_x,) and (n_y,), with equal numbers for matching regions.
+
+    X is cut into clusters of its vertices in the space of the eigenfunctions (k-means from farthest
+    points, which needs no random start); a vertex of Y belongs to the cluster that is nearest through the
+    functional map.
+
+    Parameters
+    ----------
+    phi_x, phi_y : (n_x, k), (n_y, k) float64
+        Eigenfunctions of both shapes.
+    p2p : (n_x,) int
+        Vertex of Y for each vertex of X.
+    areas_x : (n_x,) float64
+    count : int
+        Number of regions, at most n_x.
+    """
+    if not 1 <= count <= len(phi_x):
+        raise ValueError(f"the number of regions must be between 1 and {len(phi_x)}, got {count}")
+    carried = phi_x @ orthogonal(functional_map(phi_x, phi_y, p2p, areas_x))
+    centres = _farthest(carried, count)
+    for _ in range(_TURNS):
+        label = nearest(carried, centres)
+        weight = np.bincount(label, areas_x, count)
+        sums = np.column_stack([np.bincount(label, areas_x * column, count) for column in carried.T])
+        moved = np.where(weight[:, None] > 0, sums / np.where(weight > 0, weight, 1.0)[:, None], centres)
+        if np.allclose(moved, centres):
+            break
+        centres = moved
+    return nearest(carried, centres).astype(np.int32), nearest(phi_y, centres).astype(np.int32)
+
+
+def _farthest(points: FloatArray, count: int) -> FloatArray:
+    chosen = [int(np.linalg.norm(points - points.mean(axis=0), axis=1).argmax())]
+    gap = np.linalg.norm(points - points[chosen[0]], axis=1)
+    while len(chosen) < count:
+        chosen.append(int(gap.argmax()))
+        np.minimum(gap, np.linalg.norm(points - points[chosen[-1]], axis=1), out=gap)
+    return points[chosen]

@@ -1,0 +1,145 @@
+"""Coarse maps between two shapes with no initial map: every sign of the first eigenfunctions is tried."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.matching.descriptor import Descriptor, MetricView
+from qgeo_filters.matching.refine import nearest, orthogonal
+
+FloatArray = npt.NDArray[np.float64]
+SingleArray = npt.NDArray[np.float32]
+IndexArray = npt.NDArray[np.int64]
+
+# Eigenfunctions whose signs are enumerated, and at the end of the growth.
+_ENUMERATED = 7
+_GROWN = 20
+# Farthest points on either shape, enough for functions this smooth.
+_POINTS = 300
+# Neighbouring eigenvalues closer than this, relatively, may come in either order on the other shape.
+_SWAP_GAP = 0.06
+# Hypotheses that are grown, by distortion before the growth, and those that survive its checks.
+_BEAM = 128
+_SURVIVORS = 24
+_CHECKED_AT = (10, 13)
+#: Two maps whose images are this far apart in the mean, in units of sqrt(area), are different maps.
+DISTINCT = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """A coarse map.
+
+    Attributes
+    ----------
+    points : (s,) int
+        Vertices of X.
+    p2p : (s,) int
+        Vertex of Y for each of them.
+    distortion : float
+        Mean |d_X(p, q) - d_Y(Tp, Tq)| over them, in units of sqrt(area), in the first metric.
+    metric : int
+        Which metric proposed it.
+    """
+
+    points: IndexArray
+    p2p: IndexArray
+    distortion: float
+    metric: int
+
+
+def search(x: Descriptor, y: Descriptor, limit: int = 8, *, identity: bool = True) -> list[Hypothesis]:
+    """Distinct coarse maps from X to Y by increasing geodesic distortion, at most ``limit``.
+
+    An isometry takes each eigenfunction of the distances to one of the other shape with the same eigenvalue, up to
+    its sign; nearly equal eigenvalues may come in either order. For each choice of signs (and orders) of the first
+    functions the points are mapped to their nearest neighbours in the space of these functions; then one
+    more function after another is added, with the functional map that the point map gives. Choices that distort
+    distances most are dropped on the way. The signs that a solver happens to return do not matter.
+
+    Each metric proposes its own maps, all are compared in the first one. With ``identity=False``, for two shapes of
+    equal vertices, maps near the identity are left out.
+    """
+    s = min(_POINTS, len(x.samples), len(y.samples))
+    near = x.rows[:s, x.samples[:s]], y.rows[:s, y.samples[:s]]
+    found: list[Hypothesis] = []
+    for metric, (view_x, view_y) in enumerate(zip(x.views, y.views, strict=False)):
+        for images in _grown_maps(view_x, view_y, x.samples[:s], y.samples[:s]):
+            hypothesis = Hypothesis(x.samples[:s], y.samples[images], _distortion(*near, images), metric)
+            found.append(hypothesis)
+    found.sort(key=lambda hypothesis: hypothesis.distortion)
+    place = np.zeros(y.n_vertices, dtype=np.int64)
+    place[y.samples[:s]] = np.arange(s)
+    taken = [] if identity else [np.arange(s)]
+    kept = distinct(taken + [place[hypothesis.p2p] for hypothesis in found], near[1], limit + len(taken))
+    return [found[i - len(taken)] for i in kept[len(taken) :]]
+
+
+def distinct(maps: list[IndexArray], distances: SingleArray, limit: int) -> list[int]:
+    """Places of the maps that differ from all kept before them; ``distances[a, b]`` is between images a and b."""
+    kept: list[int] = []
+    for i, images in enumerate(maps):
+        if all(float(distances[images, maps[j]].mean()) > DISTINCT for j in kept):
+            kept.append(i)
+            if len(kept) == limit:
+                break
+    return kept
+
+
+def orders(values_x: FloatArray, values_y: FloatArray, count: int) -> Iterator[tuple[int, ...]]:
+    """Orders of the first ``count`` eigenfunctions: as they are, and with nearly equal neighbours swapped."""
+    swaps = [
+        i
+        for i in range(1, count - 1)
+        if min(abs(abs(values[i]) - abs(values[i + 1])) / abs(values[i]) for values in (values_x, values_y)) < _SWAP_GAP
+    ]
+    seen = set()
+    for chosen in itertools.product((False, True), repeat=len(swaps)):
+        order = list(range(count))
+        for i, swap in zip(swaps, chosen, strict=True):
+            if swap:
+                order[i], order[i + 1] = order[i + 1], order[i]
+        if tuple(order) not in seen:
+            seen.add(tuple(order))
+            yield tuple(order)
+
+
+def _grown_maps(x: MetricView, y: MetricView, points_x: IndexArray, points_y: IndexArray) -> list[IndexArray]:
+    """Maps (s,) into ``points_y`` of the best choices of signs and orders, the least distorting first."""
+    phi_x, phi_y = x.eigenfunctions[points_x], y.eigenfunctions[points_y]
+    width = min(phi_x.shape[1], phi_y.shape[1], _GROWN)
+    start = min(_ENUMERATED, width)
+    near_x, near_y = x.rows[: len(points_x), points_x], y.rows[: len(points_y), points_y]
+    # The first eigenfunction has one sign over the surface (D is positive), and canonical signs make it positive.
+    signs = np.array(list(itertools.product((1, -1), repeat=start - 1)), dtype=np.float32)
+    signs = np.column_stack([np.ones(len(signs), np.float32), signs])
+    maps = np.concatenate(
+        [
+            nearest(phi_x[:, order] * signs[:, None, :], phi_y[:, :start])
+            for order in orders(x.eigenvalues, y.eigenvalues, start)
+        ]
+    )
+    maps = _least_distorting(maps, near_x, near_y, _BEAM)
+    for k in range(start + 1, width + 1):
+        basis = phi_x[:, :k]
+        inverse = np.linalg.solve(basis.T @ basis, basis.T)
+        functional = orthogonal(inverse @ phi_y[maps, :k])
+        maps = nearest(basis @ functional, phi_y[:, :k])
+        if k in _CHECKED_AT:
+            maps = _least_distorting(maps, near_x, near_y, max(len(maps) // 3, _SURVIVORS))
+    maps = _least_distorting(maps, near_x, near_y, len(maps))
+    return [maps[i] for i in distinct(list(maps), near_y, _SURVIVORS)]
+
+
+def _least_distorting(maps: IndexArray, near_x: SingleArray, near_y: SingleArray, count: int) -> IndexArray:
+    values = np.array([_distortion(near_x, near_y, images) for images in maps])
+    return maps[np.argsort(values, kind="stable")[:count]]
+
+
+def _distortion(near_x: SingleArray, near_y: SingleArray, images: IndexArray) -> float:
+    return float(np.abs(near_x - near_y[images][:, images]).mean())
