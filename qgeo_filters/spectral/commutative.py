@@ -34,6 +34,9 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 Normalization = Literal["area", "vertices"]
 
+# Shares of coupling that differ by less are equal: what rounding and triangulation leave.
+_EQUAL_SHARE = 1e-3
+
 
 @dataclass(frozen=True, eq=False)
 class CommutativeSpectra:
@@ -191,7 +194,7 @@ def _smaller(energy: FloatArray, rows: IntArray, columns: IntArray, count: int) 
         others = among.sum(axis=0) + among.sum(axis=1) - 2 * own
         size = others + own
         share = np.divide(others, size, out=np.ones_like(size), where=size > 0)
-        worst = len(share) - 1 - int(share[::-1].argmax())  # of equals, the one of highest frequency
+        worst = np.flatnonzero(share >= share.max() - _EQUAL_SHARE)[-1]  # of equals, the one of highest frequency
         rows, columns = np.delete(rows, worst), np.delete(columns, worst)
     return rows, columns
 
