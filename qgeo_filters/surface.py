@@ -171,12 +171,13 @@ class Surface:
 
     @cached_property
     def vertex_normals(self) -> FloatArray:
-        """Angle-weighted unit normal of each vertex, shape (n, 3); zero without faces."""
+        """Angle-weighted unit normal of each vertex, shape (n, 3); zero without faces or where they cancel."""
         total = np.zeros_like(self.vertices)
         for k in range(3):
             np.add.at(total, self.faces[:, k], self.corner_angles[:, k, None] * self.face_normals)
         length = np.linalg.norm(total, axis=1, keepdims=True)
-        return frozen(np.divide(total, length, out=np.zeros_like(total), where=length > 0))
+        # At the seam of a one-sided surface opposite normals cancel up to rounding, which has no direction.
+        return frozen(np.divide(total, length, out=np.zeros_like(total), where=length > 1e-12))
 
     # -- connectivity -------------------------------------------------------------------------------
 

@@ -44,7 +44,17 @@ def spectrum_of(
 
     def compute() -> Spectrum:
         matrix = None if landmarks else matrix_of(metric, method, accuracy, progress)
-        return distance_spectrum(surface, k, metric, weights, landmarks=landmarks, matrix=matrix, progress=progress)
+        return distance_spectrum(
+            surface,
+            k,
+            metric,
+            weights,
+            landmarks,
+            matrix=matrix,
+            method=method,
+            accuracy=accuracy,
+            progress=progress,
+        )
 
     # The vertices enter as well as the lengths: areas and signs are those of the surface.
     key = content_key(
