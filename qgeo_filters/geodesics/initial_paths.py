@@ -126,14 +126,16 @@ def _follow_ray(
 
 
 @kernel
-def _best_edge(v: int, source: int, only_bends: bool, distance: FloatArray, mesh: UnfoldedMesh) -> tuple[float, int]:
+def _best_edge(
+    v: int, source: int, only_bends: bool, distance: FloatArray, passed: npt.NDArray[np.bool_], mesh: UnfoldedMesh
+) -> tuple[float, int]:
     """Distance of v by way of its best neighbour, and that; on request only neighbours where paths bend."""
     best, vertex = np.inf, -1
     for c in mesh.corners[mesh.corner_start[v] : mesh.corner_start[v + 1]]:
         for k in range(2):
             side, w = _spoke(c, k, mesh)
             value = distance[w] + mesh.sides[side]["length"]
-            if value < best and (not only_bends or mesh.bends[w] or w == source):
+            if value < best and not passed[w] and (not only_bends or mesh.bends[w] or w == source):
                 best, vertex = value, w
     return best, vertex
 
@@ -159,11 +161,23 @@ def _best_window(v: int, pool: Pool, mesh: UnfoldedMesh) -> tuple[float, int, in
 
 
 @kernel
-def _trace(start: int, end: int, distance: FloatArray, pool: Pool, mesh: UnfoldedMesh, sleeve: IndexArray) -> int:
-    """Length of the sleeve that leads down the distance from ``end``, from vertex to vertex where it bends."""
+def _trace(
+    start: int,
+    end: int,
+    distance: FloatArray,
+    passed: npt.NDArray[np.bool_],
+    pool: Pool,
+    mesh: UnfoldedMesh,
+    sleeve: IndexArray,
+) -> int:
+    """Length of the sleeve that leads down the distance from ``end``, from vertex to vertex where it bends.
+
+    -1 where it loses the way, which takes several vertices in one place.
+    """
     v, face, m = start, NONE, ZERO
     while v != end:
-        by_edge, w = _best_edge(v, end, True, distance, mesh)
+        passed[v] = True  # vertices in one place are equally far: never go back
+        by_edge, w = _best_edge(v, end, True, distance, passed, mesh)
         by_window, h, row = _best_window(v, pool, mesh)
         if by_window < by_edge * (1.0 - ARRIVED * ARRIVED):
             if face >= 0:
@@ -181,7 +195,9 @@ def _trace(start: int, end: int, distance: FloatArray, pool: Pool, mesh: Unfolde
                 continue
             m, face = kept, h // 3
             # Lost within rounding of a vertex: go down one edge and look again from there.
-            _, w = _best_edge(v, end, False, distance, mesh)
+            _, w = _best_edge(v, end, False, distance, passed, mesh)
+        if w < 0:
+            return -1
         m, face = _go_along_edge(v, w, face, sleeve, m, mesh)
         v = w
     return m
@@ -189,11 +205,18 @@ def _trace(start: int, end: int, distance: FloatArray, pool: Pool, mesh: Unfolde
 
 @inner
 def exact_sleeve(start: int, end: int, mesh: UnfoldedMesh) -> tuple[IndexArray, float]:
-    """Sleeve of the shortest path over the surface, and its length; inf where there is none."""
+    """Sleeve of the shortest path over the surface, and its length; inf where there is none.
+
+    Among vertices in one place the way down the distance may be lost; then it is the sleeve along edges.
+    """
     distance = np.empty(len(mesh.angles))
     pool = propagate(end, start, mesh, distance)
     sleeve = np.empty(3 * len(mesh.corners), dtype=np.int64)
     if distance[start] == np.inf:
         return sleeve[:0], np.inf
-    m = _trace(start, end, distance, pool, mesh, sleeve)
+    passed = np.zeros(len(mesh.angles), dtype=np.bool_)
+    m = _trace(start, end, distance, passed, pool, mesh, sleeve)
+    if m < 0:
+        sleeve, length, _ = edge_sleeve(start, end, mesh)
+        return sleeve, length
     return sleeve[: trimmed(sleeve, m, start, end, mesh)].copy(), distance[start]

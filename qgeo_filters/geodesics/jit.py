@@ -1,4 +1,8 @@
-"""The compiler options of the window and path kernels."""
+"""The compiler options of the window and path kernels.
+
+Numba's cache looks at the file of the outermost function only: who edits a kernel touches all files that call
+it (``touch qgeo_filters/geodesics/*.py``), or old code goes on running.
+"""
 
 from __future__ import annotations
 

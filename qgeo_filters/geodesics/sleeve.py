@@ -53,7 +53,7 @@ def new_flat_sleeve(n_gates: int) -> FlatSleeve:
     """Room for a sleeve of so many gates."""
     return FlatSleeve(
         np.empty(n_gates, dtype=GATE),
-        np.empty(n_gates + 2, dtype=NODE),
+        np.empty(2 * n_gates + 2, dtype=NODE),  # at most one for each gate and each turn
         np.empty(n_gates + 1, dtype=np.int64),
         np.zeros(2, dtype=np.int64),
     )

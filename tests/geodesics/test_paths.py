@@ -322,6 +322,17 @@ class TestSpecialPairs:
         assert path.length == pytest.approx(1.0, rel=ROUNDING)
         assert path.converged
 
+    @BOTH
+    def test_an_edge_without_length_is_no_trap(self, initial):
+        vertices, faces = shapes.grid(4)
+        vertices[7] = vertices[12]
+        surface = Surface(vertices, faces)
+        d = exact(surface, 18)
+        for i in range(25):
+            assert quasi_geodesic(surface, i, 18, initial=initial).length >= d[i] * (1 - ROUNDING)
+            if initial == "exact":
+                assert quasi_geodesic(surface, i, 18).length == pytest.approx(d[i], rel=ROUNDING)
+
     @pytest.mark.parametrize("gap", [1e-12, 0.0])
     @BOTH
     def test_past_vertices_that_nearly_coincide(self, initial, gap):
