@@ -1,15 +1,19 @@
-"""Filters of the self-symmetry."""
+"""Filters of the self-symmetry and of the correspondence with another shape."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.filters import stages
-from qgeo_filters.filters.base import registered
+from qgeo_filters.filters.base import Filter, registered
 from qgeo_filters.filters.geodesics import Method, MetricFilter
+from qgeo_filters.interop import as_surface
+from qgeo_filters.matching.correspondence import Correspondence as MatchResult
+from qgeo_filters.matching.symmetry import Symmetry
 from qgeo_filters.matching.symmetry_measure import Reading, symmetry_epsilon, symmetry_regions, symmetry_sum
 from qgeo_filters.spectral.distance_spectrum import Spectrum
 from qgeo_filters.surface import Surface
@@ -17,7 +21,11 @@ from qgeo_filters.surface import Surface
 
 @registered
 class SelfSymmetry(MetricFilter):
-    """Adds the self-symmetry measure of eq. (3) and its regions of points that may be mirror images of each other.
+    """Adds the mirror vertex and the side of each vertex, and the paper's measure of self-symmetry, eq. (3).
+
+    The map is found with no initial guess, see `self_symmetry`; the measure tells which points may be mirror images of
+    each other by the value of one function. A shape without a left/right symmetry keeps each vertex as its own mirror:
+    ``symmetry_.found`` and ``symmetry_.reason`` say so.
 
     Parameters
     ----------
@@ -32,15 +40,24 @@ class SelfSymmetry(MetricFilter):
     """
 
     outputs = {
+        "qgeo_symmetry": "(n,) int: vertex at the mirror point, an involution; itself on the axis or if there is none",
+        "qgeo_side": "(n,) int32: 1 and -1 on the two sides, 0 on the axis",
+        "qgeo_asymmetry": "(n,), sqrt(area): mean difference of distances from the point and from its mirror point",
         "qgeo_symmetry_sum": "(n,), no unit: sum of eq. (3); mirror images have nearly equal values",
         "qgeo_symmetry_region": "(n,) int32 from 0: band of equal area of that sum",
     }
+
+    index_outputs = frozenset({"qgeo_symmetry"})
+
+    symmetry_: Symmetry
+    """The symmetry of the last call."""
 
     spectrum_: Spectrum
     """Spectrum of the last call."""
 
     epsilon_: float
-    """Root mean square difference of the sum over all pairs of points, see `symmetry_epsilon`."""
+    """Root mean square difference of the sum over all pairs of points, see `symmetry_epsilon`; that between mirror
+    points is ``symmetry_.epsilon``."""
 
     def __init__(
         self,
@@ -63,8 +80,50 @@ class SelfSymmetry(MetricFilter):
         self.spectrum_ = stages.spectrum_of(
             self._metric(surface), self.k0, "area", None, self.method, self.accuracy, progress
         )
+        self.symmetry_ = stages.symmetry_of(surface, progress)
         self.epsilon_ = symmetry_epsilon(self.spectrum_, k0=self.k0, reading=self.reading)
         return {
+            "qgeo_symmetry": self.symmetry_.p2p,
+            "qgeo_side": self.symmetry_.side.astype(np.int32),
+            "qgeo_asymmetry": self.symmetry_.asymmetry,
             "qgeo_symmetry_sum": symmetry_sum(self.spectrum_, self.k0, self.reading),
             "qgeo_symmetry_region": symmetry_regions(self.spectrum_, self.n_regions, k0=self.k0, reading=self.reading),
+        }
+
+
+@registered
+class Correspondence(Filter):
+    """Adds, for each vertex, the vertex of another shape that it corresponds to, found with no initial map.
+
+    Parameters
+    ----------
+    target : mesh of any kind, or path
+        The other shape: another pose, in any triangulation and position.
+    normalize : bool
+        Whether to compare the shapes regardless of size.
+    """
+
+    outputs = {
+        "qgeo_correspondence": "(n,) int: corresponding vertex of the target",
+        "qgeo_distortion": "(n,), sqrt(area): mean difference of distances from the point and from its image",
+        "qgeo_region": "(n,) int32: region, of equal number on the target",
+    }
+
+    correspondence_: MatchResult
+    """The correspondence of the last call, with ``confident``, ``score`` and ``regions_y`` of the target."""
+
+    def __init__(self, target: Any = None, normalize: bool = True) -> None:
+        self.target = target
+        self.normalize = normalize
+
+    def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
+        """Map, distortion and regions by attribute name."""
+        if self.target is None:
+            raise ValueError("Correspondence needs the other shape: Correspondence(target=mesh)")
+        found = stages.correspondence_of(surface, as_surface(self.target), self.normalize, progress)
+        self.correspondence_ = found
+        return {
+            "qgeo_correspondence": found.p2p,
+            "qgeo_distortion": found.distortion,
+            "qgeo_region": found.regions_x,
         }

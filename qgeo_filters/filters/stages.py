@@ -11,6 +11,9 @@ from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import LiftedMetric
+from qgeo_filters.matching.correspondence import Correspondence, match
+from qgeo_filters.matching.descriptor import Descriptor
+from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
 from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum
 from qgeo_filters.surface import Surface
 
@@ -61,3 +64,21 @@ def spectrum_of(
         "spectrum", surface.vertices, surface.faces, metric.edge_lengths, k, weights, landmarks, method, accuracy
     )
     return cache.get(key, compute)
+
+
+def descriptor_of(surface: Surface, progress: bool = False) -> Descriptor:
+    """The surface prepared for matching, see `Descriptor`."""
+    key = content_key("descriptor", surface.vertices, surface.faces)
+    return cache.get(key, lambda: Descriptor(surface, progress=progress).prepared())
+
+
+def symmetry_of(surface: Surface, progress: bool = False) -> Symmetry:
+    """Self-symmetry of a surface, see `self_symmetry`."""
+    key = content_key("symmetry", surface.vertices, surface.faces)
+    return cache.get(key, lambda: self_symmetry(descriptor_of(surface, progress)))
+
+
+def correspondence_of(x: Surface, y: Surface, normalize: bool, progress: bool = False) -> Correspondence:
+    """Correspondence of two surfaces, see `match`."""
+    key = content_key("correspondence", x.vertices, x.faces, y.vertices, y.faces, normalize)
+    return cache.get(key, lambda: match(descriptor_of(x, progress), descriptor_of(y, progress), normalize=normalize))

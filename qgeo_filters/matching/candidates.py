@@ -1,4 +1,4 @@
-"""Maps between all vertices that the search proposes, with how well each keeps distances and orientation."""
+"""Maps between all vertices that the search proposes, and which of them is the best."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.matching.descriptor import Descriptor
-from qgeo_filters.matching.finish import grown
+from qgeo_filters.matching.finish import TRIAL, finished, grown
 from qgeo_filters.matching.orientation import orientation
-from qgeo_filters.matching.search import search
+from qgeo_filters.matching.search import DISTINCT, search
 
 IndexArray = npt.NDArray[np.int64]
 
@@ -18,6 +18,9 @@ IndexArray = npt.NDArray[np.int64]
 _WORTHWHILE = 2.0
 # Points between which distances are compared.
 _POINTS = 300
+# Contenders that are tried, and how much more than the best they may distort distances.
+_CONTENDERS = 4
+_CONTENDING = 1.7
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +41,29 @@ class Candidate:
     orientation: float
 
 
+@dataclass(frozen=True, eq=False)
+class Contender:
+    """A candidate after a trial.
+
+    Attributes
+    ----------
+    p2p : (n_x,) int
+    distortion : float
+        As of a candidate, after the trial.
+    strain : float
+        What is not rigid of the deformation of X along the map, see `Rigidity.strain`.
+    """
+
+    p2p: IndexArray
+    distortion: float
+    strain: float
+
+    @property
+    def cost(self) -> float:
+        """Distortion times strain: several times as large for a map that is wrong in a part as for a right one."""
+        return self.distortion * self.strain
+
+
 def candidates(x: Descriptor, y: Descriptor, *, identity: bool = True) -> list[Candidate]:
     """Different maps from X to Y, the least distorting first; see `search` for ``identity``."""
     hypotheses = search(x, y, identity=identity)
@@ -51,13 +77,40 @@ def candidate(x: Descriptor, y: Descriptor, p2p: IndexArray) -> Candidate:
     return Candidate(p2p, distortion(x, y, p2p), orientation(x.unit, y.unit, p2p))
 
 
+def contenders(x: Descriptor, y: Descriptor, pool: list[Candidate]) -> list[Contender]:
+    """The best different candidates, deformed onto Y on trial, the cheapest first.
+
+    A map that is right in one part and mirrored in another keeps distances nearly as well as the right one, but
+    the deformation that follows it has to tear the surface in between. The maps must keep the orientation.
+    """
+    ranked = sorted(pool, key=lambda c: c.distortion)
+    best = ranked[0].distortion
+    tried: list[Candidate] = []
+    for c in ranked:
+        if len(tried) < _CONTENDERS and c.distortion <= _CONTENDING * best + 0.01 and _differs(y, c, tried):
+            tried.append(c)
+    found = []
+    for c in tried:
+        trial = finished(x, y, c.p2p, TRIAL)
+        strain = x.rigidity.strain(trial.positions)
+        found.append(Contender(trial.p2p, distortion(x, y, trial.p2p), strain))
+    return sorted(found, key=lambda c: c.cost)
+
+
 def distortion(x: Descriptor, y: Descriptor, p2p: IndexArray) -> float:
     """Mean |d_X(p, q) - d_Y(Tp, Tq)| over pairs of farthest points, in units of sqrt(area).
 
-    Images are taken to the nearest farthest point of Y, which adds about half of their spacing in quadrature.
+    One image of each pair is taken to the nearest farthest point of Y, from which distances are at hand.
     """
-    s = min(_POINTS, len(x.rows), len(y.rows))
+    s = min(_POINTS, len(x.rows))
     points = x.samples[:s]
     near = np.argmin(y.rows[:, p2p[points]], axis=0)
     between = y.rows[near][:, p2p[points]]
     return float(np.abs(x.rows[:s, points] - between).mean())
+
+
+def _differs(y: Descriptor, one: Candidate, others: list[Candidate]) -> bool:
+    """Whether the images differ from those of all others by more than `DISTINCT` in the mean."""
+    # Distances to a landmark differ by at most the distance, and by nearly as much for one landmark of many.
+    rows = y.rows[:100]
+    return all(np.abs(rows[:, one.p2p] - rows[:, o.p2p]).max(axis=0).mean() > DISTINCT for o in others)

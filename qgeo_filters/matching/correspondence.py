@@ -8,13 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.geodesics.matrix import distances
-from qgeo_filters.matching.candidates import Candidate, candidate, candidates
+from qgeo_filters.matching.candidates import Candidate, Contender, candidate, candidates, contenders
 from qgeo_filters.matching.descriptor import Descriptor
 from qgeo_filters.matching.finish import Finished, finished
 from qgeo_filters.matching.orientation import orientation
 from qgeo_filters.matching.refine import functional_map
 from qgeo_filters.matching.regions import eigenfunction_regions
-from qgeo_filters.matching.search import DISTINCT
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
 from qgeo_filters.surface import Surface
@@ -25,9 +24,11 @@ IndexArray = npt.NDArray[np.int64]
 
 # Points to which distances are compared for the distortion.
 _PROBES = 200
-# The runner-up must distort distances by this much more, and the map by no more than that, to be sure of it.
-_MARGIN = 1.15
+# The runner-up must cost this many times as much, and the map distort distances by no more than that, to be sure.
+_MARGIN = 1.5
 _SURE = 0.12
+# Costs are compared above this: an exact isometry has none.
+_NO_COST = 1e-12
 # A finished map whose orientation is below this did not settle on one side.
 _ORIENTED = 0.3
 
@@ -52,10 +53,9 @@ class Correspondence:
     score : float
         Mean of the distortion over the area: 0 for an isometry.
     runner_up : float
-        Score of the best other map that keeps the orientation; inf if none was proposed. Both were compared before the
-        finish, so that this is on the scale of ``first``.
-    first : float
-        What the chosen map scored when it was compared with the runner-up.
+        Mean distortion of the best other map that keeps the orientation; inf if none was proposed.
+    margin : float
+        How many times the chosen map's cost, distortion times strain of the deformation along it, the runner-up's is.
     orientation : float
         See `orientation`: near 0.7 for a map between shapes of the same handedness; negative if Y is a mirror image.
     confident : bool
@@ -75,7 +75,7 @@ class Correspondence:
     distortion: FloatArray
     score: float
     runner_up: float
-    first: float
+    margin: float
     orientation: float
     confident: bool
     explanation: str
@@ -114,10 +114,11 @@ def match(
     Notes
     -----
     Coarse maps come from all choices of signs of the first eigenfunctions of the distances, in several metrics
-    (`search`); they are grown by spectral upsampling and compared by the distortion of distances. A shape with
+    (`search`) and are grown by spectral upsampling. A shape with
     a left and a right has a mirrored twin of every good map, which keeps distances as well: the twin of
     each map that turns the surface inside out is made by the self-symmetry, and only maps that keep the
-    orientation compete. The best is finished on all vertices (`finished`). The result does not depend on the signs and
+    orientation compete, by how they distort distances and by the strain of deforming X along them (`contenders`).
+    The best is finished on all vertices (`finished`). The result does not depend on the signs and
     order that a solver returns, nor on position and size.
     """
     a, b = Descriptor.of(x, progress), Descriptor.of(y, progress)
@@ -126,15 +127,15 @@ def match(
             f"the areas are {a.scale**2:.6g} and {b.scale**2:.6g}: shapes of different size are compared with "
             "normalize=True"
         )
-    competing, mirrored = _competing(a, b)
-    best = competing[0]
+    pool, mirrored = _competing(a, b)
     target = b.mirrored if mirrored else b
-    result = finished(a, target, best.p2p)
-    return _described(a, b, result, competing, mirrored)
+    ranked = contenders(a, target, pool)
+    result = finished(a, target, ranked[0].p2p)
+    return _described(a, b, result, ranked, mirrored)
 
 
 def _competing(x: Descriptor, y: Descriptor) -> tuple[list[Candidate], bool]:
-    """Different maps that keep the orientation, the least distorting first; or, if none does, those that reverse it."""
+    """Maps that keep the orientation; or those that reverse it, and True, if none of the former keeps distances."""
     proposed = candidates(x, y)
     kept = [c for c in proposed if c.orientation > 0]
     reversing = [c for c in proposed if c.orientation <= 0]
@@ -148,23 +149,11 @@ def _competing(x: Descriptor, y: Descriptor) -> tuple[list[Candidate], bool]:
         # Not one of the maps in the right hand is nearly as good: Y is the mirror image of something asymmetric.
         bool(reversing) and min(c.distortion for c in reversing) < 0.5 * min(c.distortion for c in kept)
     )
-    pool = sorted(reversing if mirrored else kept, key=lambda c: c.distortion)
-    return _distinct(y, pool), mirrored
-
-
-def _distinct(y: Descriptor, pool: list[Candidate]) -> list[Candidate]:
-    """Candidates whose images differ from those of all better ones, in the mean over the vertices."""
-    kept: list[Candidate] = []
-    near = y.rows[:, :].T  # position of each vertex as distances to landmarks
-    columns = np.arange(0, near.shape[1], 8)
-    for c in pool:
-        if all(np.abs(near[c.p2p][:, columns] - near[k.p2p][:, columns]).max(axis=1).mean() > DISTINCT for k in kept):
-            kept.append(c)
-    return kept
+    return (reversing if mirrored else kept), mirrored
 
 
 def _described(
-    x: Descriptor, y: Descriptor, result: Finished, competing: list[Candidate], mirrored: bool
+    x: Descriptor, y: Descriptor, result: Finished, ranked: list[Contender], mirrored: bool
 ) -> Correspondence:
     p2p = result.p2p
     probes = x.samples[:_PROBES]
@@ -172,9 +161,9 @@ def _described(
     distortion = np.abs(x.rows[: len(probes)] - there[:, p2p]).mean(axis=0, dtype=np.float64)
     score = float(x.areas @ distortion)
     turned = orientation(x.unit, y.unit, p2p)
-    first = competing[0].distortion
-    runner_up = competing[1].distortion if len(competing) > 1 else float("inf")
-    confident, explanation = _verdict(score, first, runner_up, turned, mirrored)
+    runner_up = ranked[1].distortion if len(ranked) > 1 else float("inf")
+    margin = ranked[1].cost / max(ranked[0].cost, _NO_COST) if len(ranked) > 1 else float("inf")
+    confident, explanation = _verdict(score, margin, turned, mirrored)
     spectrum_x, spectrum_y = x.views[-1].spectrum, y.views[-1].spectrum
     phi_x, phi_y = spectrum_x.eigenfunctions, spectrum_y.eigenfunctions
     flip = np.array([-1.0, 1.0, 1.0]) if mirrored else 1.0
@@ -188,7 +177,7 @@ def _described(
         distortion=frozen(distortion),
         score=score,
         runner_up=runner_up,
-        first=first,
+        margin=margin,
         orientation=turned,
         confident=confident,
         explanation=explanation,
@@ -198,7 +187,7 @@ def _described(
     )
 
 
-def _verdict(score: float, first: float, runner_up: float, turned: float, mirrored: bool) -> tuple[bool, str]:
+def _verdict(score: float, margin: float, turned: float, mirrored: bool) -> tuple[bool, str]:
     hand = "Y is matched as a mirror image of X: no map that keeps the orientation keeps distances" if mirrored else ""
     if score > _SURE:
         return False, f"distances differ by {score:.3f} sqrt(area) in the mean: the shapes are not near-isometric" + (
@@ -206,14 +195,12 @@ def _verdict(score: float, first: float, runner_up: float, turned: float, mirror
         )
     if abs(turned) < _ORIENTED:
         return False, f"the map turns much of the surface over (orientation {turned:.2f}): parts may be mirrored"
-    if runner_up < _MARGIN * first:
+    if margin < _MARGIN:
         return False, (
-            f"another map keeps distances nearly as well ({runner_up:.3f} against {first:.3f} sqrt(area)): "
+            f"another map keeps distances and shape nearly as well (its cost is {margin:.2f} times as large): "
             "the shape looks alike in more than one way"
         )
     if mirrored:
         return False, hand
-    return True, (
-        f"distances are kept to {score:.3f} sqrt(area) in the mean; the next different map is at {runner_up:.3f} "
-        f"where this one was at {first:.3f}"
-    )
+    rival = f"the next different map costs {margin:.1f} times as much" if margin < np.inf else "there is no other map"
+    return True, f"distances are kept to {score:.3f} sqrt(area) in the mean; {rival}"

@@ -102,6 +102,12 @@ class Descriptor:
         """The descriptor itself, or that of a surface."""
         return shape if isinstance(shape, Descriptor) else cls(shape, progress=progress)
 
+    def prepared(self) -> Descriptor:
+        """The same descriptor, with everything that matching takes from it computed now."""
+        if not (self.views and self.laplacian.size and self.normals.size):
+            raise AssertionError("a matchable shape has metrics, eigenfunctions and normals")
+        return self
+
     @property
     def n_vertices(self) -> int:
         """Number of vertices."""
@@ -138,7 +144,16 @@ class Descriptor:
     def laplacian(self) -> SingleArray:
         """Eigenfunctions of the Laplace-Beltrami operator, (n, up to 200)."""
         count = min(_LAPLACIAN_FUNCTIONS, self.n_vertices // 3)
-        return laplacian_spectrum(self.unit, count).eigenfunctions.astype(np.float32)
+        spectrum = laplacian_spectrum(self.unit, count)
+        self._laplacian_eigenvalues = spectrum.eigenvalues
+        return frozen(spectrum.eigenfunctions.astype(np.float32))
+
+    @property
+    def laplacian_eigenvalues(self) -> FloatArray:
+        """Their eigenvalues."""
+        if not self.laplacian.size:  # computed together
+            raise AssertionError("a matchable shape has eigenfunctions")
+        return self._laplacian_eigenvalues
 
     @cached_property
     def rigidity(self) -> Rigidity:

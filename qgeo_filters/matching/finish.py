@@ -47,6 +47,8 @@ PASSES = (
     Pass((20, 30, 45, 65, 90, 120, 160, 200), 0.05, 0.02, 0.15),
     Pass((20, 30, 45, 65, 90, 120, 160, 200), 0.03, 0.015, 0.07),
 )
+#: Enough to tell which of several maps is right.
+TRIAL = (Pass((20, 30, 45, 65), 0.05, 0.03, 0.15),)
 # Matchings at each size, and turns of the deformation for each.
 _MATCHINGS = 2
 _TURNS = 3

@@ -64,6 +64,13 @@ class Rigidity:
         turned = self._weight[:, None] * np.einsum("eab,eb->ea", between, self._edge)
         return solve(self._gather @ turned + pull[:, None] * targets)
 
+    def strain(self, positions: FloatArray) -> float:
+        r"""What is not rigid of a deformation: :math:`\sum_{ij} w_{ij} |p_i - p_j - R_i (x_i - x_j)|^2`."""
+        rotations = self._rotations(positions, 0)
+        turned = np.einsum("eab,eb->ea", rotations[self._tail], self._edge)
+        rest = positions[self._tail] - positions[self._head] - turned
+        return float(self._weight @ np.einsum("ea,ea->e", rest, rest))
+
     def _rotations(self, positions: FloatArray, smooth: int) -> FloatArray:
         moved = positions[self._tail] - positions[self._head]
         outer = (self._weight[:, None, None] * moved[:, :, None] * self._edge[:, None, :]).reshape(-1, 9)

@@ -23,6 +23,7 @@ FILTERS = [
     qg.LaplacianSpectrum(k=5),
     qg.SelfSymmetry(k0=6, n_regions=3),
     qg.SurfaceScalar() | qg.Paint("qgeo_scalar"),
+    qg.Correspondence(target=sample_surface()),
     qg.TransferAttributes(sample_surface().with_attributes({"height": sample_surface().vertices[:, 2]})),
 ]
 
