@@ -51,7 +51,8 @@ def line(mesh: str, method: str, lengths: np.ndarray, exact: np.ndarray, seconds
     longer = excess[excess > 1e-9]
     rest = f"{100 * longer.mean():.2g} / {100 * longer.max():.2g}" if longer.size else "-"
     share = 100 * np.mean(excess <= 1e-9)
-    return f"| {mesh} | {method} | {share:.1f} | {rest} | {100 * excess.mean():.2g} | {len(exact) / seconds:.0f} |"
+    mean = f"{100 * excess.mean():.2g}" if longer.size else "0"
+    return f"| {mesh} | {method} | {share:.1f} | {rest} | {mean} | {len(exact) / seconds:.0f} |"
 
 
 def main(n_pairs: int = 2000) -> None:
