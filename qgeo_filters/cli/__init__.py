@@ -9,6 +9,7 @@ import typer
 from qgeo_filters.cli.demo import demo
 from qgeo_filters.cli.errors import OneLineErrors
 from qgeo_filters.cli.geodesics import distances, path
+from qgeo_filters.cli.match import match
 from qgeo_filters.cli.mesh import info
 from qgeo_filters.cli.pipeline import run
 from qgeo_filters.cli.spectral import spectrum
@@ -46,7 +47,7 @@ def qgeo(
         typer.echo(context.get_help())
 
 
-for command in (demo, info, distances, spectrum, symmetry, path, run, warmup):
+for command in (demo, info, distances, spectrum, symmetry, match, path, run, warmup):
     app.command()(command)
 
 

@@ -59,4 +59,5 @@ def _sentence(error: BaseException) -> str:
     if isinstance(error, OSError) and error.strerror and error.filename:
         return f"{error.filename}: {error.strerror}"
     # The library's advice names its own argument.
-    return str(error).replace("repair=True", "--repair") or type(error).__name__
+    message = str(error).replace("repair=True", "--repair").replace("normalize=True", "--normalize")
+    return message or type(error).__name__

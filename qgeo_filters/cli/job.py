@@ -1,4 +1,4 @@
-"""One job of the command line: reads a mesh, measures its stages, and writes results as soon as they exist."""
+"""One job of the command line: reads meshes, measures its stages, and writes results as soon as they exist."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from qgeo_filters.surface import Surface
 
 
 class Job:
-    """Results of one command on one mesh, in one folder.
+    """Results of one command on one mesh, or on several that belong together, in one folder.
 
     Each file is written whole or not at all, in the order in which results come: arrays and mesh first, then the
     pictures one by one, the report last. Files that an earlier job left in the folder are removed when the
@@ -39,7 +39,8 @@ class Job:
         self.settings = settings
         self.parameters = dict(parameters)
         self.folder = writable_folder(settings.output)
-        self.mesh: dict[str, Any] = {}
+        self.subject = ""
+        self.meshes: list[dict[str, Any]] = []
         self.results: dict[str, Any] = {}
         self.seconds: dict[str, float] = {}
         self.files: list[str] = []
@@ -71,22 +72,30 @@ class Job:
                 surface, changes = repaired.surface, repaired.report
             else:
                 surface = read_surface(path)
-        self.mesh = {"path": str(path), **description(surface)}
+        mesh = {"path": str(path), **description(surface)}
         if self.settings.repair:
-            self.mesh["repaired"] = list(changes)
+            mesh["repaired"] = list(changes)
+        self.meshes.append(mesh)
         return surface
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the meshes' files without folder and suffix, numbered where they repeat."""
+        stems = [Path(mesh["path"]).stem or "mesh" for mesh in self.meshes]
+        return numbered(stems)
 
     # -- out ----------------------------------------------------------------------------------------
 
-    def save(self, results: Mapping[str, Any], arrays: Mapping[str, Any], surface: Surface) -> None:
-        """Write result.json, result.npz and the mesh with its attributes."""
+    def save(self, results: Mapping[str, Any], arrays: Mapping[str, Any], *surfaces: Surface) -> None:
+        """Write result.json, result.npz and the meshes that were read, with their attributes."""
         self._clear()
         self.results.update(results)
         with atomic_write(self.folder / "result.npz") as file:
             np.savez(file, **dict(arrays))
-        name = f"{_stem(self.mesh['path'])}.ply"
-        write_surface(surface, self.folder / name)
-        self.files += ["result.json", "result.npz", name]
+        self.files += ["result.json", "result.npz"]
+        for name, surface in zip(self.names, surfaces, strict=True):
+            write_surface(surface, self.folder / f"{name}.ply")
+            self.files.append(f"{name}.ply")
         self._write_json()
 
     def picture(self, name: str, caption: str, draw: Callable[[], Figure]) -> None:
@@ -105,14 +114,14 @@ class Job:
         self.files.append("report.html")
         write_report(
             self.folder / "report.html",
-            f"qgeo {self.command}: {Path(self.mesh['path']).name}",
-            subtitle=self.mesh["path"],
+            f"qgeo {self.command}: {self._subject()}",
+            subtitle=self.subject or ", ".join(mesh["path"] for mesh in self.meshes),
             pictures=self._pictures,
             tables=[
                 Table.of("Results", self._short_results()),
                 *tables,
                 Table.of("Parameters", self.parameters),
-                Table.of("Mesh", {name: value for name, value in self.mesh.items() if name != "path"}),
+                *self._mesh_tables(),
                 Table.of("Wall-clock seconds", self.seconds),
             ],
             footer=f"qgeo-filters {__version__}. The same numbers are in result.json, the arrays in result.npz.",
@@ -125,7 +134,7 @@ class Job:
             sys.stdout.write((self.folder / "result.json").read_text(encoding="utf-8"))
             return
         console = Console(quiet=self.settings.quiet, highlight=False)
-        title = f"{self.command}  {Path(self.mesh['path']).name}"
+        title = f"{self.command}  {self._subject()}"
         for table in (Table.of(title, self._short_results()), *tables):
             shown = TerminalTable(title=table.title, title_justify="left", show_header=bool(table.columns))
             for column in table.columns or ("", ""):
@@ -134,6 +143,18 @@ class Job:
                 shown.add_row(*map(formatted, row))
             console.print(shown)
         console.print(f"{', '.join(self.files)} in {self.folder}", soft_wrap=True)
+
+    def _subject(self) -> str:
+        """What the job is about, for headings."""
+        files = [Path(mesh["path"]).name for mesh in self.meshes]
+        return self.subject or ", ".join(files[:4]) + (f" and {len(files) - 4} more" if len(files) > 4 else "")
+
+    def _mesh_tables(self) -> list[Table]:
+        tables = []
+        for mesh in self.meshes:
+            title = "Mesh" if len(self.meshes) == 1 else f"Mesh {mesh['path']}"
+            tables.append(Table.of(title, {name: value for name, value in mesh.items() if name != "path"}))
+        return tables
 
     def _short_results(self) -> dict[str, Any]:
         """Results but for long lists, which have a table of their own."""
@@ -144,7 +165,7 @@ class Job:
             "command": self.command,
             "qgeo_filters": __version__,
             "parameters": self.parameters,
-            "mesh": self.mesh,
+            **({"mesh": self.meshes[0]} if len(self.meshes) == 1 else {"meshes": self.meshes}),
             "results": self.results,
             "seconds": self.seconds,
             "files": self.files,
@@ -205,5 +226,9 @@ def plain(value: Any) -> Any:
     return str(value) if isinstance(value, Path) else value
 
 
-def _stem(path: str) -> str:
-    return Path(path).stem or "mesh"
+def numbered(names: Sequence[str]) -> list[str]:
+    """The names, those that occur more than once with -1, -2, ... behind them."""
+    return [
+        name if names.count(name) == 1 else f"{name}-{names[:position].count(name) + 1}"
+        for position, name in enumerate(names)
+    ]

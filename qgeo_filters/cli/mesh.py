@@ -26,7 +26,7 @@ def info(
     job = Job("info", Settings(output, quiet, json, repair, pictures), {"repair": repair})
     surface = job.read(mesh)
     with job.stage("describe"):
-        results = {**job.mesh, **_details(surface)}
+        results = {**job.meshes[0], **_details(surface)}
     del results["path"]
     arrays = {"face_areas": surface.face_areas, "vertex_areas": surface.vertex_areas, "edges": surface.edges}
     job.save(results, arrays, surface)

@@ -65,11 +65,9 @@ def _folders(output: Path, meshes: list[Path]) -> list[Path]:
     """The folder itself for one mesh, else one below it for each mesh, numbered where names repeat."""
     if len(meshes) == 1:
         return [output]
-    names = [mesh.stem for mesh in meshes]
-    return [
-        output / (name if names.count(name) == 1 else f"{name}-{names[:position].count(name) + 1}")
-        for position, name in enumerate(names)
-    ]
+    from qgeo_filters.cli.job import numbered
+
+    return [output / name for name in numbered([mesh.stem for mesh in meshes])]
 
 
 def _summary(values: np.ndarray) -> dict[str, object]:

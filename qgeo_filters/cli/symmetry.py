@@ -1,4 +1,4 @@
-"""``qgeo symmetry``: the paper's measure of self-symmetry, eq. (3)."""
+"""``qgeo symmetry``: the map of a shape to itself that swaps left and right, beside the paper's measure, eq. (3)."""
 
 from __future__ import annotations
 
@@ -26,15 +26,23 @@ if TYPE_CHECKING:
     import numpy as np
 
     from qgeo_filters.cli.job import Job
+    from qgeo_filters.matching.symmetry import Symmetry
+    from qgeo_filters.matching.symmetry_measure import Reading
     from qgeo_filters.spectral.distance_spectrum import Spectrum
     from qgeo_filters.surface import Surface
 
+DEFAULT_K0 = 6
 _PAIRS = 2000
 
 
 def symmetry(
     mesh: MeshFile,
-    k0: Annotated[int, typer.Option("-k", "--k0", help="Eigenfunctions in the sum; few give clear regions.")] = 6,
+    explicit: Annotated[
+        bool, typer.Option("--map/--no-map", help="Search for the map itself, or stop at the measure of eq. (3).")
+    ] = True,
+    k0: Annotated[
+        int, typer.Option("-k", "--k0", help="Eigenfunctions in the sum of eq. (3); few give clear regions.")
+    ] = DEFAULT_K0,
     regions: Annotated[
         int | None, typer.Option("--regions", help="Number of regions, of equal area; 8 unless --epsilon is given.")
     ] = None,
@@ -55,15 +63,22 @@ def symmetry(
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Measure the self-symmetry of eq. (3) and the regions that it yields.
+    """Find the map that swaps left and right, with sides and axis, and measure the self-symmetry of eq. (3).
 
-    result.npz: symmetry_sum (n,), regions (n,), eigenvalues (k0,), eigenfunctions (n, k0), areas (n,).
+    The options on the metric are those of eq. (3); the map is searched in the package's own metrics.
+
+    result.npz: found, symmetry (n,), side (n,), asymmetry (n,), nearest (n,), symmetry_sum (n,), regions (n,),
+    eigenvalues (k0,), eigenfunctions (n, k0), areas (n,). Where no symmetry was found, found is False, symmetry the
+    identity, and side and asymmetry are 0.
     """
     from qgeo_filters.caching import cache
     from qgeo_filters.cli.job import Job
     from qgeo_filters.filters import stages
+    from qgeo_filters.matching.descriptor import Descriptor
+    from qgeo_filters.matching.symmetry import self_symmetry
 
     parameters = {
+        "map": explicit,
         "k0": k0,
         "regions": regions,
         "epsilon": epsilon,
@@ -77,22 +92,71 @@ def symmetry(
     }
     job = Job("symmetry", Settings(output, quiet, json, repair, pictures), parameters)
     surface = job.read(mesh)
+    descriptor = Descriptor(surface, progress=job.progress) if explicit else None  # refuses at once what has no map
     with cache.held():
         with job.stage("spectrum"):
             metric = stages.metric_of(surface, scalar, curvature_weight, smoothing)
             spectrum = stages.spectrum_of(metric, k0, "area", None, method, accuracy, job.progress)
         matrix = stages.matrix_of(metric, method, accuracy)
-    with job.stage("symmetry"):
+    found = None
+    with job.stage("measure"):
         results, arrays = symmetry_measure(spectrum, matrix, k0, regions, epsilon, reading)
-    attributes = {"qgeo_symmetry_sum": arrays["symmetry_sum"], "qgeo_symmetry_region": arrays["regions"]}
+    if descriptor is not None:
+        with job.stage("map"):
+            found = self_symmetry(descriptor)
+        results = {**symmetry_results(found, spectrum, k0, reading), **results}
+        arrays |= symmetry_arrays(found)
+    described = surface.with_attributes(symmetry_attributes(arrays, found))
     arrays |= {
         "eigenvalues": spectrum.eigenvalues,
         "eigenfunctions": spectrum.eigenfunctions,
         "areas": spectrum.areas,
     }
-    job.save(results, arrays, surface.with_attributes(attributes))
-    draw_symmetry(job, surface, arrays)
+    job.save(results, arrays, described)
+    draw_symmetry(job, surface, arrays, found)
     job.finish()
+
+
+def symmetry_results(found: Symmetry, spectrum: Spectrum, k0: int, reading: Reading = "absolute") -> dict[str, Any]:
+    """Numbers of a symmetry map for result.json; None where they have no meaning because none was found."""
+    from qgeo_filters.matching.symmetry_measure import symmetry_epsilon
+
+    return {
+        "found": found.found,
+        "reason": found.reason,
+        "distortion": found.distortion if found.found else None,
+        "orientation": found.orientation if found.found else None,
+        "vertices_on_the_axis": int(found.fixed.sum()) if found.found else None,
+        # Not the involution: vertices that it pairs with themselves would flatter the measure.
+        "epsilon_of_mirror_images": symmetry_epsilon(spectrum, found.nearest, k0, reading) if found.found else None,
+    }
+
+
+def symmetry_arrays(found: Symmetry) -> dict[str, Any]:
+    """Arrays of a symmetry map for result.npz."""
+    import numpy as np
+
+    return {
+        "found": np.bool_(found.found),
+        "symmetry": found.p2p,
+        "nearest": found.nearest,
+        "side": found.side.astype(np.int64),
+        "asymmetry": found.asymmetry,
+    }
+
+
+def symmetry_attributes(arrays: dict[str, Any], found: Symmetry | None) -> dict[str, Any]:
+    """Attributes for the mesh: those of eq. (3), and those of the map where one was found."""
+    import numpy as np
+
+    attributes = {"qgeo_symmetry_sum": arrays["symmetry_sum"], "qgeo_symmetry_region": arrays["regions"]}
+    if found is not None and found.found:
+        attributes |= {
+            "qgeo_symmetry": found.p2p.astype(np.int32),
+            "qgeo_side": found.side.astype(np.int32),
+            "qgeo_asymmetry": found.asymmetry,
+        }
+    return attributes
 
 
 def symmetry_measure(
@@ -101,7 +165,7 @@ def symmetry_measure(
     k0: int,
     n_regions: int | None = None,
     epsilon: float | None = None,
-    reading: Literal["absolute", "even", "printed"] = "absolute",
+    reading: Reading = "absolute",
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Numbers and arrays of eq. (3), its bound checked on random pairs of vertices."""
     import numpy as np
@@ -119,6 +183,7 @@ def symmetry_measure(
     one, other = one[one != other], other[one != other]
     bound = epsilon_bound(spectrum, matrix, one, other, k0)
     results = {
+        "k0": k0,
         "epsilon_of_all_pairs": symmetry_epsilon(spectrum, None, k0, reading),
         "regions": len(np.unique(regions)),
         "largest_share_of_the_bound": float((np.abs(values[one] - values[other]) / bound).max()),
@@ -126,14 +191,28 @@ def symmetry_measure(
     return results, {"symmetry_sum": values, "regions": regions}
 
 
-def draw_symmetry(job: Job, surface: Surface, arrays: dict[str, Any]) -> None:
-    """Pictures of the regions and of the function that they are bands of."""
+def draw_symmetry(job: Job, surface: Surface, arrays: dict[str, Any], found: Symmetry | None) -> None:
+    """Pictures of the map, its sides and asymmetry where there is one, and of the regions of eq. (3)."""
     from qgeo_filters.report.figures import plot_scalar, plot_symmetry
+    from qgeo_filters.report.maps import plot_sides
 
+    if found is not None and found.found:
+        job.picture(
+            "symmetry",
+            "The symmetry map from both sides (paper, Fig. 5): a point and its mirror image have one colour.",
+            lambda: plot_symmetry(surface, p2p=found.nearest),
+        )
+        job.picture("sides", "The two sides and, red, the axis between them.", lambda: plot_sides(surface, found.side))
+        job.picture(
+            "asymmetry",
+            "Asymmetry: how far, in the mean, the distances from a point differ from those from its mirror image.",
+            lambda: plot_scalar(surface, found.asymmetry, "asymmetry (√area)"),
+        )
+    unproven = "" if found is None or found.found else f"No symmetry map was found: {found.reason}. "
     job.picture(
-        "symmetry",
-        "Regions of equal colour from both sides (paper, Fig. 5): symmetric points have one colour. So may others: the "
-        "measure of eq. (3) refutes a symmetry, it does not establish one.",
+        "symmetry_regions",
+        f"{unproven}Regions of the measure of eq. (3) from both sides: symmetric points have one colour. So may "
+        "others: the measure refutes a symmetry, it does not establish one.",
         lambda: plot_symmetry(surface, arrays["regions"]),
     )
     job.picture(

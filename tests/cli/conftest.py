@@ -18,13 +18,22 @@ from qgeo_filters.report import panels
 from qgeo_filters.surface import Surface
 
 
+def bilateral() -> tuple[np.ndarray, np.ndarray]:
+    """A closed shape of 162 vertices with one symmetry, the reflection in the plane x = 0."""
+    vertices, faces = icosphere(2)
+    x, y, z = vertices.T
+    radius = 1 + 0.3 * y + 0.2 * z * y + 0.25 * x**2 * y - 0.15 * z**3
+    return np.column_stack([0.8 * x, 1.4 * y, z]) * radius[:, None], faces
+
+
 @pytest.fixture
 def meshes(tmp_path: Path) -> Path:
-    """Folder with sphere.ply, blob.off, square.obj, fan.off (three faces on an edge) and broken.off."""
+    """Folder with sphere.ply, blob.off, square.obj, mirror.off, fan.off (three faces on an edge) and broken.off."""
     for name, shape in (
         ("sphere.ply", icosphere(2)),
         ("blob.off", blob(2)),
         ("square.obj", grid(6)),
+        ("mirror.off", bilateral()),
         ("fan.off", fan()),
     ):
         write_surface(Surface(*shape), tmp_path / name)
@@ -50,7 +59,8 @@ def _loaded(folder: Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """The numbers and arrays of a result folder, after the checks that hold for every command."""
     content = json.loads((folder / "result.json").read_text(encoding="utf-8"))
     assert sorted(content["files"]) == sorted(path.name for path in folder.iterdir() if path.is_file())
-    assert {"command", "qgeo_filters", "parameters", "mesh", "results", "seconds"} <= set(content)
+    assert {"command", "qgeo_filters", "parameters", "results", "seconds"} <= set(content)
+    assert ("mesh" in content) != ("meshes" in content)
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert "http:" not in page
     assert "https:" not in page

@@ -13,7 +13,6 @@ from typer.testing import Result
 
 import qgeo_filters as qg
 from qgeo_filters.geodesics.paths import quasi_geodesic
-from qgeo_filters.matching.symmetry_measure import symmetry_sum
 
 Qgeo = Callable[..., Result]
 Loaded = Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]
@@ -93,26 +92,6 @@ def test_spectrum(qgeo: Qgeo, loaded: Loaded) -> None:
     assert content["results"]["eigenvalues"] == arrays["eigenvalues"].tolist()
     assert qg.Surface.read("qgeo-out/blob.ply").attributes["qgeo_phi"].shape == (162, 7)
     assert {"eigenfunctions.png", "spectrum.png"} <= set(content["files"])
-
-
-def test_symmetry(qgeo: Qgeo, loaded: Loaded) -> None:
-    assert qgeo("symmetry", "blob.off", "--regions", 5, "-k", 12, "--reading", "printed").exit_code == 0
-    content, arrays = loaded(Path("qgeo-out"))
-    surface = qg.Surface.read("blob.off")
-    spectrum = qg.distance_spectrum(surface, 12, qg.lifted_metric(surface))
-    np.testing.assert_allclose(arrays["symmetry_sum"], symmetry_sum(spectrum, reading="printed"), rtol=1e-5, atol=1e-5)
-    assert content["results"]["regions"] == 5 == len(np.unique(arrays["regions"]))
-    assert 0 < content["results"]["largest_share_of_the_bound"] <= 1
-    written = qg.Surface.read("qgeo-out/blob.ply").attributes
-    np.testing.assert_array_equal(written["qgeo_symmetry_region"], arrays["regions"])
-    assert {"symmetry.png", "symmetry_sum.png"} <= set(content["files"])
-
-
-def test_symmetry_regions_of_a_given_width(qgeo: Qgeo, loaded: Loaded) -> None:
-    assert qgeo("symmetry", "blob.off", "--epsilon", 0.7, "--no-pictures").exit_code == 0
-    _, arrays = loaded(Path("qgeo-out"))
-    for label in np.unique(arrays["regions"]):
-        assert np.ptp(arrays["symmetry_sum"][arrays["regions"] == label]) <= 0.7  # eq. (3) within each
 
 
 def test_path(qgeo: Qgeo, loaded: Loaded) -> None:
@@ -222,7 +201,7 @@ def test_help_and_version(qgeo: Qgeo) -> None:
     assert qgeo("--version").stdout == f"qgeo-filters {qg.__version__}\n"
     bare = qgeo()
     assert bare.exit_code == 0
-    for name in ("demo", "info", "distances", "spectrum", "symmetry", "path", "run"):
+    for name in ("demo", "info", "distances", "spectrum", "symmetry", "match", "path", "run"):
         assert name in bare.stdout
         shown = qgeo(name, "-h")
         assert shown.exit_code == 0

@@ -1,0 +1,194 @@
+"""``qgeo match``: which points of two shapes belong together, with no initial map."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Repair, Settings
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from qgeo_filters.cli.job import Job
+    from qgeo_filters.matching.correspondence import Correspondence
+    from qgeo_filters.matching.descriptor import Descriptor
+    from qgeo_filters.surface import Surface
+
+
+def match(
+    x: Annotated[Path, typer.Argument(metavar="X", help="A mesh file, as in qgeo info.", show_default=False)],
+    y: Annotated[Path, typer.Argument(metavar="Y", help="The shape that it is mapped to.", show_default=False)],
+    truth: Annotated[
+        Path | None,
+        typer.Option(
+            "--truth",
+            metavar="FILE",
+            help="True vertex of Y (from 0) for each of X, as .npz, .npy or text: adds errors.",
+        ),
+    ] = None,
+    normalize: Annotated[
+        bool, typer.Option("--normalize/--no-normalize", help="Compare shapes regardless of their size.")
+    ] = True,
+    output: Output = DEFAULT_OUTPUT,
+    repair: Repair = False,
+    pictures: Pictures = True,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find the vertex of Y for each vertex of X: two shapes that bend into each other, no initial map.
+
+    result.npz: p2p (n_X,), score, runner_up, inverse (n_Y,), functional_map (20, 20), distortion (n_X,),
+    regions_x (n_X,), regions_y (n_Y,), and errors (n_X,) with --truth.
+    """
+    import numpy as np
+
+    from qgeo_filters.cli.job import Job
+    from qgeo_filters.evaluation.errors import geodesic_error
+    from qgeo_filters.matching.correspondence import match as correspondence_of
+    from qgeo_filters.matching.descriptor import Descriptor
+
+    parameters = {"normalize": normalize, "truth": None if truth is None else str(truth), "repair": repair}
+    job = Job("match", Settings(output, quiet, json, repair, pictures), parameters)
+    shapes = job.read(x), job.read(y)
+    target = None if truth is None else read_truth(truth, shapes[0].n_vertices, shapes[1].n_vertices)
+    a, b = (Descriptor(shape, progress=job.progress) for shape in shapes)
+    for name, descriptor in zip(("X", "Y"), (a, b), strict=True):
+        with job.stage(f"spectra of {name}"):
+            prepare(descriptor)
+    with job.stage("match"):
+        found = correspondence_of(a, b, normalize=normalize)
+    arrays = {
+        "p2p": found.p2p,
+        "score": np.float64(found.score),
+        "runner_up": np.float64(found.runner_up),
+        "inverse": found.inverse,
+        "functional_map": found.functional_map,
+        "distortion": found.distortion,
+        "regions_x": found.regions_x,
+        "regions_y": found.regions_y,
+    }
+    attributes: dict[str, np.ndarray] = {
+        "qgeo_match": found.p2p.astype(np.int32),
+        "qgeo_region": found.regions_x,
+        "qgeo_distortion": found.distortion,
+    }
+    results = match_results(found)
+    errors = None
+    if target is not None:
+        with job.stage("errors"):
+            errors = geodesic_error(found.p2p, target, shapes[1])
+        results |= error_results(errors)
+        arrays["errors"] = attributes["qgeo_error"] = errors
+    job.save(
+        results,
+        arrays,
+        shapes[0].with_attributes(attributes),
+        shapes[1].with_attributes({"qgeo_region": found.regions_y}),
+    )
+    draw_match(job, *shapes, found, errors)
+    job.finish()
+
+
+def prepare(descriptor: Descriptor) -> None:
+    """Compute what belongs to one shape alone, so that its time is told apart from that of the match."""
+    _ = descriptor.views, descriptor.laplacian
+
+
+def read_truth(path: Path, n_x: int, n_y: int) -> np.ndarray:
+    """True vertex of Y for each vertex of X, (n_x,), from a file.
+
+    Raises
+    ------
+    ValueError
+        Not that many whole numbers within Y, or an .npz in which the array cannot be told.
+    """
+    import numpy as np
+
+    from qgeo_filters.validation import checked_indices
+
+    try:
+        loaded: Any = np.load(path, allow_pickle=False) if path.suffix in (".npz", ".npy") else np.loadtxt(path)
+    except ValueError as error:
+        raise ValueError(f"{path}: not a list of vertices ({error})") from error
+    if isinstance(loaded, np.lib.npyio.NpzFile):
+        with loaded:
+            name = next((name for name in ("truth", "p2p") if name in loaded.files), None)
+            if name is None and len(loaded.files) != 1:
+                raise ValueError(f"{path} holds {', '.join(loaded.files)}: call the array of true vertices 'truth'")
+            loaded = loaded[name or loaded.files[0]]
+    values = np.asarray(loaded)
+    if values.shape != (n_x,):
+        raise ValueError(f"{path}: expected one vertex of Y for each of the {n_x} of X, got shape {values.shape}")
+    if values.dtype.kind == "f" and np.array_equal(values, np.round(values)):
+        values = values.astype(np.int64)
+    return checked_indices(values, n_y, str(path))
+
+
+def match_results(found: Correspondence) -> dict[str, Any]:
+    """Numbers of a correspondence for result.json; distortions in units of sqrt(area)."""
+    import numpy as np
+
+    return {
+        "confident": found.confident,
+        "explanation": found.explanation,
+        "distortion": found.score,
+        "largest_distortion": float(found.distortion.max()),
+        "runner_up": found.runner_up,
+        "margin": found.margin,
+        "orientation": found.orientation,
+        "c_xy": found.c_xy,
+        "vertices_of_y_reached": len(np.unique(found.p2p)),
+    }
+
+
+def error_results(errors: np.ndarray) -> dict[str, Any]:
+    """Numbers of the errors against the truth, in units of sqrt(area), for result.json."""
+    from qgeo_filters.evaluation.errors import THRESHOLDS, ErrorSummary
+
+    summary = ErrorSummary.of(errors)
+    shares = {
+        f"percent_within_{threshold:g}": 100 * share for threshold, share in zip(THRESHOLDS, summary.below, strict=True)
+    }
+    return {"mean_error": summary.mean, "median_error": summary.median, "max_error": summary.maximum, **shares}
+
+
+def draw_match(job: Job, x: Surface, y: Surface, found: Correspondence, errors: np.ndarray | None) -> None:
+    """Pictures of the map, of its regions, its distortion, and its errors where the truth is known."""
+    from qgeo_filters.report.curves import plot_error_curve, plot_histogram
+    from qgeo_filters.report.figures import plot_correspondence, plot_scalar
+    from qgeo_filters.report.maps import plot_region_pair
+
+    names = (f"X: {job.names[0]}", f"Y: {job.names[1]}")
+    doubt = "" if found.confident else f"Not confident: {found.explanation}. "
+    job.picture(
+        "match",
+        f"{doubt}The colours of Y carried over to X along the map: points that belong together have one colour.",
+        partial(plot_correspondence, x, y, found.p2p, names=names),
+    )
+    job.picture(
+        "regions",
+        "Regions of equal colour on both shapes (paper, Fig. 6).",
+        partial(plot_region_pair, x, y, found.regions_x, found.regions_y, names=names),
+    )
+    unit = "distortion of distances (√area)"
+    job.picture(
+        "distortion",
+        "How far, in the mean, the distances from a point of X differ from those from its image on Y.",
+        partial(plot_scalar, x, found.distortion, unit),
+    )
+    job.picture(
+        "distortion_histogram",
+        "The same over the area of X: all at the left for shapes that only bend.",
+        partial(plot_histogram, found.distortion, x.vertex_areas, unit),
+    )
+    if errors is not None:
+        job.picture(
+            "errors",
+            "Distance on Y between a point's image and its true image.",
+            partial(plot_scalar, x, errors, "error (√area)"),
+        )
+        job.picture("error_curve", "Share of the points within an error.", partial(plot_error_curve, errors))

@@ -1,0 +1,93 @@
+"""Charts of how well a map does: histograms, error curves, and a matrix of pairwise numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import matplotlib
+import numpy as np
+import numpy.typing as npt
+from matplotlib.figure import Figure
+
+from qgeo_filters.evaluation.errors import THRESHOLDS, error_curve
+from qgeo_filters.report.colors import sequential
+from qgeo_filters.report.panels import STYLE, new_figure
+
+_BLUE, _RED = "#2c5fa8", "#b2352f"
+_MOST_NUMBERS = 12
+
+
+def plot_histogram(values: npt.ArrayLike, weights: npt.ArrayLike, label: str) -> Figure:
+    """Figure of the share of the area that has each value, with the mean.
+
+    Parameters
+    ----------
+    values, weights : array-like, shape (n,)
+        Value and area of each vertex.
+    label : str
+        Name and unit of the value.
+    """
+    values, weights = np.asarray(values, dtype=np.float64), np.asarray(weights, dtype=np.float64)
+    share = 100.0 * weights / weights.sum()
+    mean = float(share @ values / 100.0)
+    figure = new_figure(4.6, 2.8)
+    with matplotlib.rc_context(STYLE):
+        axes = figure.add_subplot()
+        axes.hist(values, bins=40, range=(0.0, float(values.max()) or 1.0), weights=share, color=_BLUE)
+        axes.axvline(mean, color=_RED, linewidth=1.2, label=f"mean {mean:.3g}")
+        axes.set(xlabel=label, ylabel="share of the area (%)")
+        axes.legend(frameon=False)
+    return figure
+
+
+def plot_error_curve(errors: npt.ArrayLike, *, label: str = "this map", largest: float = 0.25) -> Figure:
+    """Figure of the share of points whose error is at most each threshold (Princeton protocol).
+
+    Parameters
+    ----------
+    errors : array-like, shape (n,)
+        In units of sqrt(area).
+    label : str
+    largest : float
+        Threshold at the right end.
+    """
+    thresholds = np.linspace(0.0, largest, 251)
+    figure = new_figure(4.6, 3.0)
+    with matplotlib.rc_context(STYLE):
+        axes = figure.add_subplot()
+        axes.plot(thresholds, 100.0 * error_curve(errors, thresholds), color=_BLUE, label=label)
+        for threshold in THRESHOLDS:
+            if threshold < largest:
+                axes.axvline(threshold, color="0.85", linewidth=0.8, zorder=0)
+        axes.set(xlabel="geodesic error (√area)", ylabel="points within (%)", xlim=(0.0, largest), ylim=(0.0, 101.0))
+        axes.legend(frameon=False, loc="lower right")
+    return figure
+
+
+def plot_pairwise(matrix: npt.ArrayLike, names: Sequence[str], label: str) -> Figure:
+    """Figure of a symmetric table of numbers between things with names, such as C_XY between poses.
+
+    Parameters
+    ----------
+    matrix : array-like, shape (p, p)
+    names : sequence of str
+    label : str
+        Of the colour bar.
+    """
+    values = np.asarray(matrix, dtype=np.float64)
+    if values.shape != (len(names), len(names)):
+        raise ValueError(f"the matrix has shape {values.shape}, but there are {len(names)} names")
+    scale = sequential(values)
+    figure = new_figure(4.8, 4.0)
+    with matplotlib.rc_context(STYLE):
+        axes = figure.add_subplot()
+        image = axes.imshow(values, cmap=scale.colormap, norm=scale.norm)
+        axes.set_xticks(range(len(names)), names, rotation=45, ha="right")
+        axes.set_yticks(range(len(names)), names)
+        if len(names) <= _MOST_NUMBERS:
+            middle = 0.5 * (scale.low + scale.high)
+            for (i, j), value in np.ndenumerate(values):
+                color = "white" if value < middle else "black"
+                axes.text(j, i, f"{value:.3g}", ha="center", va="center", color=color, fontsize=7.5)
+        figure.colorbar(image, ax=axes, fraction=0.046, pad=0.03).set_label(label)
+    return figure

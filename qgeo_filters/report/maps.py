@@ -1,0 +1,97 @@
+"""Figures of maps between surfaces: the sides of a symmetry, regions of equal number, poses in one colouring."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.figure import Figure
+from scipy.spatial import cKDTree
+
+from qgeo_filters.report.colors import distinct, position_colors
+from qgeo_filters.report.panels import Panel, panel_figure
+from qgeo_filters.report.view import View, best_view
+from qgeo_filters.surface import Surface
+
+# The two sides, and the axis between them.
+_SIDES = np.array([[0.45, 0.62, 0.85], [0.95, 0.76, 0.45], [0.75, 0.12, 0.18]])
+
+
+def plot_sides(surface: Surface, side: npt.ArrayLike, *, view: View | None = None) -> Figure:
+    """Figure of the two sides of a symmetry and of the axis between them (red), from both sides.
+
+    Parameters
+    ----------
+    surface : Surface
+    side : array-like of int, shape (n,)
+        1 and -1 on the sides, 0 on the axis.
+    view : View, optional
+    """
+    sides = np.asarray(side)
+    if sides.shape != (surface.n_vertices,) or not np.isin(sides, (-1, 0, 1)).all():
+        raise ValueError(f"side must be -1, 0 or 1 for each of the {surface.n_vertices} vertices")
+    options = {"labels": np.where(sides == 0, 2, (1 - sides) // 2).astype(np.int64), "colors": _SIDES}
+    view = view or best_view(surface.vertices, surface.faces)
+    return panel_figure([Panel(surface, turned, options=options) for turned in (view, view.turned(180.0))])
+
+
+def plot_region_pair(
+    x: Surface,
+    y: Surface,
+    regions_x: npt.ArrayLike,
+    regions_y: npt.ArrayLike,
+    *,
+    names: tuple[str, str] = ("X", "Y"),
+    views: tuple[View, View] | None = None,
+) -> Figure:
+    """Figure of two surfaces where regions of equal number have one colour (paper, Fig. 6).
+
+    Parameters
+    ----------
+    x, y : Surface
+    regions_x, regions_y : array-like of int, shapes (n_x,) and (n_y,)
+        Grey where negative.
+    names : (str, str)
+    views : (View, View), optional
+    """
+    labels = np.asarray(regions_x), np.asarray(regions_y)
+    colors = distinct(int(max(part.max(initial=-1) for part in labels)) + 1)
+    views = views or (best_view(x.vertices, x.faces), best_view(y.vertices, y.faces))
+    panels = [
+        Panel(surface, view, name, {"labels": part, "colors": colors})
+        for surface, view, name, part in zip((x, y), views, names, labels, strict=True)
+    ]
+    return panel_figure(panels)
+
+
+def plot_poses(
+    surfaces: Sequence[Surface],
+    maps: Sequence[npt.ArrayLike],
+    *,
+    names: Sequence[str] = (),
+    columns: int = 4,
+) -> Figure:
+    """Figure of poses in the colours of the first, carried over along maps: equal places have one colour.
+
+    Parameters
+    ----------
+    surfaces : sequence of Surface
+    maps : sequence of array-like of int, shape (n,)
+        Vertex of each pose for each of the n vertices of the first. A vertex that is not an image has the colour of the
+        nearest one that is.
+    names : sequence of str
+        Titles.
+    columns : int
+    """
+    if len(maps) != len(surfaces):
+        raise ValueError(f"one map for each of the {len(surfaces)} poses is needed, got {len(maps)}")
+    views = [best_view(surface.vertices, surface.faces) for surface in surfaces]
+    colors = position_colors(surfaces[0].vertices, views[0].axes)
+    titles = list(names) or [""] * len(surfaces)
+    panels = []
+    for surface, image, view, title in zip(surfaces, maps, views, titles, strict=True):
+        reached, first = np.unique(np.asarray(image), return_index=True)
+        nearest = cKDTree(surface.vertices[reached]).query(surface.vertices)[1]
+        panels.append(Panel(surface, view, title, {"colors": colors[first[nearest]]}))
+    return panel_figure(panels, columns=columns)

@@ -1,0 +1,101 @@
+"""``qgeo match``: a shape against itself with its vertices shuffled, where the truth is known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import Result
+
+import qgeo_filters as qg
+
+Qgeo = Callable[..., Result]
+Loaded = Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]
+
+
+@pytest.fixture
+def truth(meshes: Path) -> np.ndarray:
+    """Vertex of other/blob.off for each of blob.off: larger, turned, somewhere else, in another order."""
+    blob = qg.Surface.read(meshes / "blob.off")
+    order = np.random.default_rng(3).permutation(blob.n_vertices)
+    image = np.argsort(order)
+    (meshes / "other").mkdir()
+    vertices = 3.0 * blob.vertices[order] @ np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]]) + 5.0
+    qg.Surface(vertices, image[blob.faces]).write(meshes / "other/blob.off")
+    return image
+
+
+def test_match(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> None:
+    np.savetxt("truth.txt", truth, fmt="%d")
+    result = qgeo("match", "blob.off", "other/blob.off", "--truth", "truth.txt")
+    assert result.exit_code == 0, result.stderr
+    content, arrays = loaded(Path("qgeo-out"))
+    assert [mesh["path"] for mesh in content["meshes"]] == ["blob.off", "other/blob.off"]
+    found = content["results"]
+    np.testing.assert_array_equal(arrays["p2p"], truth)
+    assert arrays["p2p"].dtype.kind == "i"
+    assert arrays["score"] == found["distortion"] < 1e-5
+    assert arrays["runner_up"] > arrays["score"]
+    assert arrays["functional_map"].shape == (20, 20)
+    assert found["confident"] is True
+    assert found["explanation"]
+    assert found["c_xy"] < 1e-3
+    assert found["mean_error"] == 0.0
+    assert found["percent_within_0.05"] == 100.0
+    x, y = (qg.Surface.read(f"qgeo-out/blob-{number}.ply") for number in (1, 2))
+    np.testing.assert_array_equal(x.attributes["qgeo_match"], truth)
+    np.testing.assert_array_equal(x.attributes["qgeo_region"], arrays["regions_x"])
+    np.testing.assert_array_equal(y.attributes["qgeo_region"], arrays["regions_y"])
+    np.testing.assert_array_equal(arrays["regions_x"], arrays["regions_y"][truth])
+    np.testing.assert_allclose(y.vertices, qg.Surface.read("other/blob.off").vertices)
+    pictures = {
+        "match.png",
+        "regions.png",
+        "distortion.png",
+        "distortion_histogram.png",
+        "errors.png",
+        "error_curve.png",
+    }
+    assert pictures <= set(content["files"])
+
+
+def test_errors_are_measured_on_y(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> None:
+    y = qg.Surface.read("other/blob.off")
+    wrong = truth.copy()
+    wrong[7] = truth[90]
+    np.savez("truth.npz", truth=wrong, something_else=np.zeros(3))
+    command = ("match", "blob.off", "other/blob.off", "--truth", "truth.npz", "--no-pictures")
+    assert qgeo(*command).exit_code == 0
+    _, arrays = loaded(Path("qgeo-out"))
+    expected = qg.distances(y, [truth[7]])[0, truth[90]] / np.sqrt(y.area)
+    assert arrays["errors"][7] == pytest.approx(expected, rel=1e-3)
+    assert np.flatnonzero(arrays["errors"]).tolist() == [7]
+
+
+def test_size_may_matter(qgeo: Qgeo, truth: np.ndarray) -> None:
+    result = qgeo("match", "blob.off", "other/blob.off", "--no-normalize")
+    assert result.exit_code == 2
+    assert "--normalize" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("content", "expected"),
+    [("0\n1\n", "each of the 162"), ("x\n", "not a list of vertices"), ("\n".join(["162"] * 162), "162")],
+)
+def test_bad_truth(qgeo: Qgeo, content: str, expected: str) -> None:
+    Path("truth.txt").write_text(content)
+    result = qgeo("match", "blob.off", "blob.off", "--truth", "truth.txt")
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert "truth.txt" in result.stderr
+    assert expected in result.stderr
+    assert not Path("qgeo-out").exists()
+
+
+def test_truth_in_an_archive_of_unnamed_arrays(qgeo: Qgeo) -> None:
+    np.savez("truth.npz", a=np.arange(162), b=np.arange(162))
+    result = qgeo("match", "blob.off", "blob.off", "--truth", "truth.npz")
+    assert result.exit_code == 2
+    assert "a, b" in result.stderr
