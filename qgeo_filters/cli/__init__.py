@@ -6,8 +6,10 @@ from typing import Annotated
 
 import typer
 
+from qgeo_filters.cli.compatibility import compatibility
 from qgeo_filters.cli.demo import demo
 from qgeo_filters.cli.errors import OneLineErrors
+from qgeo_filters.cli.evaluate import evaluate
 from qgeo_filters.cli.geodesics import distances, path
 from qgeo_filters.cli.match import match
 from qgeo_filters.cli.mesh import info
@@ -47,7 +49,7 @@ def qgeo(
         typer.echo(context.get_help())
 
 
-for command in (demo, info, distances, spectrum, symmetry, match, path, run, warmup):
+for command in (demo, info, distances, spectrum, symmetry, match, compatibility, evaluate, path, run, warmup):
     app.command()(command)
 
 

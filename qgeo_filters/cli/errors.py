@@ -42,7 +42,9 @@ class OneLineErrors(TyperGroup):
             # The reader of our output went away (qgeo info mesh --json | head): nothing is left to say it to.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise typer.Exit(1) from None
-        except (ValueError, OSError, MissingPackageError) as error:  # MeshError is a ValueError
+        except (ValueError, OSError, LookupError, MissingPackageError) as error:  # MeshError is a ValueError
+            if isinstance(error, (KeyError, IndexError)):  # bugs; a bare LookupError is a truth that is not known
+                raise
             if ctx.params.get("debug"):
                 raise
             fail(_sentence(error))

@@ -109,6 +109,12 @@ class Job:
         self._pictures.append(picture)
         self.files.append(f"{name}.png")
 
+    def text(self, name: str, content: str) -> None:
+        """Write a text file beside the results."""
+        with atomic_write(self.folder / name) as file:
+            file.write(content.encode("utf-8"))
+        self.files.append(name)
+
     def finish(self, tables: Sequence[Table] = ()) -> None:
         """Write the report and the final result.json, and say where everything is."""
         self.files.append("report.html")

@@ -201,7 +201,18 @@ def test_help_and_version(qgeo: Qgeo) -> None:
     assert qgeo("--version").stdout == f"qgeo-filters {qg.__version__}\n"
     bare = qgeo()
     assert bare.exit_code == 0
-    for name in ("demo", "info", "distances", "spectrum", "symmetry", "match", "path", "run"):
+    for name in (
+        "demo",
+        "info",
+        "distances",
+        "spectrum",
+        "symmetry",
+        "match",
+        "compatibility",
+        "evaluate",
+        "path",
+        "run",
+    ):
         assert name in bare.stdout
         shown = qgeo(name, "-h")
         assert shown.exit_code == 0

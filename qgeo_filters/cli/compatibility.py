@@ -1,0 +1,83 @@
+"""``qgeo compatibility``: whether the poses of a shape share one eigenspectrum, D(S) of eq. (5)."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Repair, Settings, Weight
+from qgeo_filters.cli.spectral import Count
+
+_MOST_POSES = 12
+
+
+def compatibility(
+    meshes: Annotated[list[Path], typer.Argument(metavar="MESH...", help="Two poses or more.", show_default=False)],
+    baselines: Annotated[
+        tuple[int, int],
+        typer.Option("--baselines", metavar="I J", help="The poses, from 0, that are optimised against each other."),
+    ] = (0, 1),
+    k: Count = 20,
+    curvature_weight: Weight = 0.03,
+    output: Output = DEFAULT_OUTPUT,
+    repair: Repair = False,
+    pictures: Pictures = True,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Measure how far poses are from sharing one eigenspectrum: D(S), and C_XY of every two.
+
+    Vertex i is the same point of all poses if they have the same faces; if not, the maps are found as by qgeo match.
+
+    result.npz: d_s, c_xy (p, p), eigenvalues (p, k), index (p, k), signs (p, k), maps (p, n).
+    """
+    import numpy as np
+
+    from qgeo_filters.cli.job import Job
+    from qgeo_filters.deformation.compatibility import compatibility as compatibility_of
+    from qgeo_filters.report.curves import plot_pairwise
+    from qgeo_filters.report.html import Table
+    from qgeo_filters.report.maps import plot_poses
+
+    parameters = {"baselines": list(baselines), "k": k, "curvature_weight": curvature_weight, "repair": repair}
+    job = Job("compatibility", Settings(output, quiet, json, repair, pictures), parameters)
+    poses = [job.read(mesh) for mesh in meshes]
+    with job.stage("compatibility"):
+        found = compatibility_of(poses, baselines, k=k, weight=curvature_weight, progress=job.progress)
+    arrays = {
+        "d_s": np.float64(found.d_s),
+        "c_xy": found.c_xy,
+        "eigenvalues": found.eigenvalues,
+        "index": found.index,
+        "signs": found.signs,
+        "maps": np.stack(found.maps),
+    }
+    one_mesh = all(np.array_equal(image, np.arange(len(image))) for image in found.maps)
+    pairs = found.c_xy[np.triu_indices(len(poses), 1)]
+    results = {
+        "d_s": found.d_s,
+        "smallest_c_xy": float(pairs.min()),
+        "largest_c_xy": float(pairs.max()),
+        "c_xy_of_the_baselines": float(found.c_xy[found.baselines]),
+        "maps": "equal vertex numbers" if one_mesh else "found by match",
+    }
+    job.save(results, arrays, *poses)
+    names = job.names
+    shown = list(dict.fromkeys([found.baselines[0], *range(len(poses))]))[:_MOST_POSES]
+    titles = [f"{names[p]} (baseline)" if p in found.baselines else names[p] for p in shown]
+    job.picture(
+        "poses",
+        f"The set of poses, D(S) = {found.d_s:.3g} (paper, Fig. 7); colours are carried over from the first baseline "
+        "along the maps on which the eigenfunctions are compared.",
+        partial(plot_poses, [poses[p] for p in shown], [found.maps[p] for p in shown], names=titles),
+    )
+    job.picture(
+        "c_xy",
+        "C_XY of every two poses: 0 where they have the same eigenfunctions.",
+        partial(plot_pairwise, found.c_xy, names, "C_XY (no unit)"),
+    )
+    rows = [(name, *map(float, row)) for name, row in zip(names, found.c_xy, strict=True)]
+    job.finish([Table("C_XY", rows, ("", *names))] if len(poses) <= _MOST_POSES else [])
