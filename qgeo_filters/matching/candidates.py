@@ -19,8 +19,12 @@ _WORTHWHILE = 2.0
 # Points between which distances are compared.
 _POINTS = 300
 # Contenders that are tried, and how much more than the best they may distort distances.
-_CONTENDERS = 4
+_CONTENDERS = 8
 _CONTENDING = 1.7
+# An edge is torn if its ends are mapped this many mean edges apart.
+_TORN = 3.0
+# Shares of torn edges and folded triangles, and strains, below these do not tell maps apart.
+_LEAST_TORN, _LEAST_FOLDED, _LEAST_STRAIN = 1e-3, 5e-4, 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,16 +56,22 @@ class Contender:
         As of a candidate, after the trial.
     strain : float
         What is not rigid of the deformation of X along the map, see `Rigidity.strain`.
+    torn : float
+        Share of X's edges whose ends are mapped far apart.
+    folded : float
+        Share of X's area that the deformation turns over.
     """
 
     p2p: IndexArray
     distortion: float
     strain: float
+    torn: float
+    folded: float
 
     @property
     def cost(self) -> float:
-        """Distortion times strain: several times as large for a map that is wrong in a part as for a right one."""
-        return self.distortion * self.strain
+        """Product of strain, torn and folded shares: several times as large for a map that is wrong in a part."""
+        return max(self.strain, _LEAST_STRAIN) * max(self.torn, _LEAST_TORN) * (self.folded + _LEAST_FOLDED)
 
 
 def candidates(x: Descriptor, y: Descriptor, *, identity: bool = True) -> list[Candidate]:
@@ -80,8 +90,9 @@ def candidate(x: Descriptor, y: Descriptor, p2p: IndexArray) -> Candidate:
 def contenders(x: Descriptor, y: Descriptor, pool: list[Candidate]) -> list[Contender]:
     """The best different candidates, deformed onto Y on trial, the cheapest first.
 
-    A map that is right in one part and mirrored in another keeps distances nearly as well as the right one, but
-    the deformation that follows it has to tear the surface in between. The maps must keep the orientation.
+    A map that is right in one part and wrong in another, such as one that swaps two legs, can keep distances better
+    than the right one does between two poses; but a deformation that follows it has to tear, fold or twist the surface
+    in between. The maps must keep the orientation.
     """
     ranked = sorted(pool, key=lambda c: c.distortion)
     best = ranked[0].distortion
@@ -89,12 +100,19 @@ def contenders(x: Descriptor, y: Descriptor, pool: list[Candidate]) -> list[Cont
     for c in ranked:
         if len(tried) < _CONTENDERS and c.distortion <= _CONTENDING * best + 0.01 and _differs(y, c, tried):
             tried.append(c)
-    found = []
-    for c in tried:
-        trial = finished(x, y, c.p2p, TRIAL)
-        strain = x.rigidity.strain(trial.positions)
-        found.append(Contender(trial.p2p, distortion(x, y, trial.p2p), strain))
-    return sorted(found, key=lambda c: c.cost)
+    return sorted((_trial(x, y, c) for c in tried), key=lambda c: c.cost)
+
+
+def _trial(x: Descriptor, y: Descriptor, candidate: Candidate) -> Contender:
+    result = finished(x, y, candidate.p2p, TRIAL)
+    a, b = result.p2p[x.unit.edges.T]
+    lengths = np.linalg.norm(y.unit.vertices[a] - y.unit.vertices[b], axis=1)
+    torn = float((lengths > _TORN * x.unit.edge_lengths.mean()).mean())
+    deformed = x.unit.with_vertices(result.positions)
+    against = np.einsum("ij,ij->i", deformed.face_normals, y.normals[result.p2p[x.unit.faces]].sum(axis=1)) < 0
+    folded = float(x.unit.face_areas @ against) / x.unit.area
+    strain = x.rigidity.strain(result.positions)
+    return Contender(result.p2p, distortion(x, y, result.p2p), strain, torn, folded)
 
 
 def distortion(x: Descriptor, y: Descriptor, p2p: IndexArray) -> float:

@@ -25,7 +25,7 @@ IndexArray = npt.NDArray[np.int64]
 # Points to which distances are compared for the distortion.
 _PROBES = 200
 # The runner-up must cost this many times as much, and the map distort distances by no more than that, to be sure.
-_MARGIN = 1.5
+_MARGIN = 1.3
 _SURE = 0.12
 # Costs are compared above this: an exact isometry has none.
 _NO_COST = 1e-12
@@ -55,7 +55,7 @@ class Correspondence:
     runner_up : float
         Mean distortion of the best other map that keeps the orientation; inf if none was proposed.
     margin : float
-        How many times the chosen map's cost, distortion times strain of the deformation along it, the runner-up's is.
+        How many times the chosen map's cost (strain, tearing and folding of X along it) the runner-up's is.
     orientation : float
         See `orientation`: near 0.7 for a map between shapes of the same handedness; negative if Y is a mirror image.
     confident : bool
@@ -117,7 +117,8 @@ def match(
     (`search`) and are grown by spectral upsampling. A shape with
     a left and a right has a mirrored twin of every good map, which keeps distances as well: the twin of
     each map that turns the surface inside out is made by the self-symmetry, and only maps that keep the
-    orientation compete, by how they distort distances and by the strain of deforming X along them (`contenders`).
+    orientation compete: the best is the one along which X deforms with the least strain, tearing and folding
+    (`contenders`).
     The best is finished on all vertices (`finished`). The result does not depend on the signs and
     order that a solver returns, nor on position and size.
     """
@@ -197,7 +198,7 @@ def _verdict(score: float, margin: float, turned: float, mirrored: bool) -> tupl
         return False, f"the map turns much of the surface over (orientation {turned:.2f}): parts may be mirrored"
     if margin < _MARGIN:
         return False, (
-            f"another map keeps distances and shape nearly as well (its cost is {margin:.2f} times as large): "
+            f"another map fits nearly as well (its cost is {margin:.2f} times as large): "
             "the shape looks alike in more than one way"
         )
     if mirrored:

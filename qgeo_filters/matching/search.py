@@ -28,7 +28,7 @@ _BEAM = 128
 _SURVIVORS = 24
 _CHECKED_AT = (10, 13)
 #: Two maps whose images are this far apart in the mean, in units of sqrt(area), are different maps.
-DISTINCT = 0.1
+DISTINCT = 0.04
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ class Hypothesis:
     metric: int
 
 
-def search(x: Descriptor, y: Descriptor, limit: int = 8, *, identity: bool = True) -> list[Hypothesis]:
+def search(x: Descriptor, y: Descriptor, limit: int = 12, *, identity: bool = True) -> list[Hypothesis]:
     """Distinct coarse maps from X to Y by increasing geodesic distortion, at most ``limit``.
 
     An isometry takes each eigenfunction of the distances to one of the other shape with the same eigenvalue, up to
