@@ -49,7 +49,7 @@ class ShapeWidget(ipywidgets.VBox):
     message = traitlets.Unicode()
 
     def __init__(self) -> None:
-        self._modes: dict[str, Callable[[], Field]] = {}
+        self._modes: dict[str, Callable[[int], Field]] = {}
         self._viewer: Viewer | None = None
         self._field: Field | None = None
         self._titles: Sequence[str] = ()
@@ -116,8 +116,8 @@ class ShapeWidget(ipywidgets.VBox):
         """Whether the mode can be shown now, without a point picked first."""
         return True
 
-    def _columns(self) -> int:
-        """How many values k has in the current mode; 1 hides its slider."""
+    def _columns(self, mode: str) -> int:
+        """How many values k has in a mode; 1 hides its slider."""
         return 1
 
     def _refresh(self, *, new_mode: bool = False) -> None:
@@ -126,10 +126,10 @@ class ShapeWidget(ipywidgets.VBox):
             return
         with self._guarded():
             if new_mode:
-                count = self._columns()
+                count = self._columns(self.mode)
                 self._k_slider.max = max(count, 1)
                 self._k_slider.layout.display = "" if count > 1 else "none"
-            field = self._modes[self.mode]()
+            field = self._modes[self.mode](self.k)
             self._field = field
             self._settling = True
             try:
@@ -184,9 +184,9 @@ class ShapeWidget(ipywidgets.VBox):
         page = Page(
             title=self._page_title,
             names=self._titles,
-            modes=self._exported(chosen),
+            modes=[(name, [self._modes[name](k + 1) for k in range(self._columns(name))]) for name in chosen],
             start=list(chosen).index(self.mode) if self.mode in chosen else 0,
-            step=min(self.k, self._columns()),
+            step=min(self.k, self._columns(self.mode)),
             limits=self.limits,
             **{"info": self._info.value, **self._page_extras()},
         )
@@ -203,24 +203,6 @@ class ShapeWidget(ipywidgets.VBox):
         close_tree(self)
 
     # -- inside -------------------------------------------------------------------------------------
-
-    def _exported(self, modes: Sequence[str]) -> list[tuple[str, list[Field]]]:
-        """Fields of each mode for the page; more than one where k chooses."""
-        here, k = self.mode, self.k
-        result = []
-        self._settling = True
-        try:
-            for name in modes:
-                self.mode = name
-                fields = []
-                for column in range(1, self._columns() + 1):
-                    self.k = column
-                    fields.append(self._modes[name]())
-                result.append((name, fields))
-        finally:
-            self.mode, self.k = here, k
-            self._settling = False
-        return result
 
     def _page_extras(self) -> dict[str, Any]:
         """What a page of this widget holds besides: keywords of `export.Page`."""

@@ -209,7 +209,7 @@ class CompareWidget(ShapeWidget):
     # -- colours ------------------------------------------------------------------------------------
 
     def _make_modes(self) -> dict[str, Any]:
-        modes: dict[str, Any] = {CARRIED: lambda: self._carried_field, EIGENFUNCTION: self._eigen_field}
+        modes: dict[str, Any] = {CARRIED: self._carried_field, EIGENFUNCTION: self._eigen_field}
         if self._correspondence is not None:
             modes |= {REGIONS: self._region_field, DISTORTION: self._distortion_field}
         modes[DISTANCE] = self._distance_field
@@ -222,11 +222,11 @@ class CompareWidget(ShapeWidget):
     def _ready(self, mode: str) -> bool:
         return mode != DISTANCE or self.picked is not None
 
-    def _columns(self) -> int:
-        if self.mode == EIGENFUNCTION:
+    def _columns(self, mode: str) -> int:
+        if mode == EIGENFUNCTION:
             return min(EIGENFUNCTIONS, *(shape.surface.n_vertices for shape in self._shapes))
-        if self.mode.startswith(ATTRIBUTE):
-            return max(shape.columns(self.mode.removeprefix(ATTRIBUTE)) for shape in self._shapes)
+        if mode.startswith(ATTRIBUTE):
+            return max(shape.columns(mode.removeprefix(ATTRIBUTE)) for shape in self._shapes)
         return 1
 
     @cached_property
@@ -235,30 +235,29 @@ class CompareWidget(ShapeWidget):
         assert self._viewer is not None
         return position_colors(surface.vertices, self._viewer.panes[0].frame.axes)
 
-    @property
-    def _carried_field(self) -> Field:
+    def _carried_field(self, k: int) -> Field:
         colors = self._position_colors
         label = "each point of Y has the colour of its partner on X; on X the colour tells the place"
         return ColorField([colors, colors[self._map.backward]], label)
 
-    def _region_field(self) -> Field:
+    def _region_field(self, k: int) -> Field:
         assert self._correspondence is not None
         regions = [self._correspondence.regions_x, self._correspondence.regions_y]
         return region_field(regions, "regions of one colour belong together")
 
-    def _distortion_field(self) -> Field:
+    def _distortion_field(self, k: int) -> Field:
         assert self._correspondence is not None
         distortion = self._correspondence.distortion
         label = "mean |d(p, q) − d(Tp, Tq)| of the map that was found / √area"
         return ScalarField([distortion, distortion[self._given.backward]], label)
 
-    def _eigen_field(self) -> Field:
-        on_x, on_y = (shape.eigenfunction(self.k) for shape in self._shapes)
+    def _eigen_field(self, k: int) -> Field:
+        on_x, on_y = (shape.eigenfunction(k) for shape in self._shapes)
         # An eigenfunction has no sign of its own: that of Y is turned to agree with X through the map.
         agreement = float((self._shapes[0].surface.vertex_areas * on_x) @ on_y[self._map.forward])
-        return ScalarField([on_x, on_y if agreement >= 0 else -on_y], f"φ{_small(self.k)} √A (no unit)", True)
+        return ScalarField([on_x, on_y if agreement >= 0 else -on_y], f"φ{_small(k)} √A (no unit)", True)
 
-    def _distance_field(self) -> Field:
+    def _distance_field(self, k: int) -> Field:
         if not self.pairs:
             raise ValueError("Click a point on one of the shapes: the distances from it are then shown.")
         ends = self.pairs[0]
@@ -279,16 +278,16 @@ class CompareWidget(ShapeWidget):
             self._truth_errors[self.flip] = geodesic_error(self._map.forward, self._truth.forward, y)
         return self._truth_errors[self.flip]
 
-    def _error_field(self) -> Field:
+    def _error_field(self, k: int) -> Field:
         errors = self._errors
         label = f"geodesic error on Y / √area (mean {errors.mean():.4f}, largest {errors.max():.4f})"
         return ScalarField([errors, errors[self._map.backward]], label)
 
-    def _attribute_field(self, name: str) -> Field:
+    def _attribute_field(self, name: str, k: int) -> Field:
         values = []
         for shape in self._shapes:
             absent = not shape.columns(name)
-            values.append(np.full(shape.surface.n_vertices, np.nan) if absent else shape.attribute(name, self.k))
+            values.append(np.full(shape.surface.n_vertices, np.nan) if absent else shape.attribute(name, k))
         return number_field(values, name)
 
     def _page_extras(self) -> dict[str, Any]:

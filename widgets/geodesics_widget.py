@@ -92,9 +92,8 @@ class GeodesicsWidget(ShapeWidget):
             self.source, self.target = source, target
             self._find()
 
-    def _columns(self) -> int:
-        name = str(self.mode)
-        return self._shape.columns(name.removeprefix(ATTRIBUTE)) if name.startswith(ATTRIBUTE) else 1
+    def _columns(self, mode: str) -> int:
+        return self._shape.columns(mode.removeprefix(ATTRIBUTE)) if mode.startswith(ATTRIBUTE) else 1
 
     def _ready(self, mode: str) -> bool:
         return mode != DISTANCE or self.source is not None
@@ -184,10 +183,10 @@ class GeodesicsWidget(ShapeWidget):
 
     # -- colours ------------------------------------------------------------------------------------
 
-    def _scalar_field(self) -> Field:
+    def _scalar_field(self, k: int) -> Field:
         return ScalarField([self._scalar], "f, in standard deviations", True)
 
-    def _distance_field(self) -> Field:
+    def _distance_field(self, k: int) -> Field:
         if self.source is None:
             raise ValueError("Click the source of a path: the distances from it are then shown.")
         key = self.source, self.weight
@@ -197,8 +196,8 @@ class GeodesicsWidget(ShapeWidget):
             self._distances = key, row
         return ScalarField([self._distances[1]], f"distance from vertex {self.source} at λ = {self.weight:.3f} / √area")
 
-    def _attribute_field(self, name: str) -> Field:
-        return number_field([self._shape.attribute(name, self.k)], name)
+    def _attribute_field(self, name: str, k: int) -> Field:
+        return number_field([self._shape.attribute(name, k)], name)
 
     def _page_extras(self) -> dict[str, Any]:
         return {"info": self._info.value + (self._chart.value if self.path is not None else "")}

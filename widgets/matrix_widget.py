@@ -79,9 +79,8 @@ class MatrixWidget(ShapeWidget):
     def _ready(self, mode: str) -> bool:
         return mode != DISTANCE or self.picked is not None
 
-    def _columns(self) -> int:
-        name = str(self.mode)
-        return self._shape.columns(name.removeprefix(ATTRIBUTE)) if name.startswith(ATTRIBUTE) else 1
+    def _columns(self, mode: str) -> int:
+        return self._shape.columns(mode.removeprefix(ATTRIBUTE)) if mode.startswith(ATTRIBUTE) else 1
 
     # -- choosing -----------------------------------------------------------------------------------
 
@@ -151,18 +150,18 @@ class MatrixWidget(ShapeWidget):
         row = self._row_of_vertex.get(vertex)
         return self._shape.distances_from(vertex) if row is None else self._table[row].astype(np.float64)
 
-    def _distance_field(self) -> Field:
+    def _distance_field(self, k: int) -> Field:
         if self.picked is None:
             raise ValueError("Move over the matrix or click on the shape: the distances of that vertex are then shown.")
         return ScalarField([self._distances(self.picked)], f"distance from vertex {self.picked} / √area")
 
-    def _order_field(self) -> Field:
+    def _order_field(self, k: int) -> Field:
         nearest = self._table.argmin(axis=0)
         label = "each point has the colour of the strip beside the matrix at its row"
         return ColorField([ordered_colors(len(self._table))[nearest]], label)
 
-    def _attribute_field(self, name: str) -> Field:
-        return number_field([self._shape.attribute(name, self.k)], name)
+    def _attribute_field(self, name: str, k: int) -> Field:
+        return number_field([self._shape.attribute(name, k)], name)
 
     def _page_extras(self) -> dict[str, Any]:
         from qgeo_widgets.export import matrix_data

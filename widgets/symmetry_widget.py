@@ -66,6 +66,8 @@ class SymmetryWidget(ShapeWidget):
             mode = MIRRORED if self._symmetry.found else REGIONS
             self._assemble(viewer, ["front", "from behind"], mode, beside=[self._epsilon_slider, self._k0_slider])
             self._draw_axis()
+            self.observe(lambda _: self._show_measure_controls(), "mode")
+            self._show_measure_controls()
             self.observe(lambda _: self._show_picked(), "picked")
             self.observe(lambda _: self._measure_changed(), ["epsilon", "k0"])
             self._show_picked()
@@ -131,14 +133,16 @@ class SymmetryWidget(ShapeWidget):
             modes[ATTRIBUTE + name] = partial(self._attribute_field, name)
         return modes
 
-    def _columns(self) -> int:
-        name = str(self.mode)
-        measured = "" if name in (REGIONS, SUM) else "none"
-        self._k0_slider.layout.display = measured
-        self._epsilon_slider.layout.display = measured if name == REGIONS else "none"
-        if name == EIGENFUNCTION:
+    def _columns(self, mode: str) -> int:
+        if mode == EIGENFUNCTION:
             return min(EIGENFUNCTIONS, self._shape.surface.n_vertices)
-        return self._shape.columns(name.removeprefix(ATTRIBUTE)) if name.startswith(ATTRIBUTE) else 1
+        return self._shape.columns(mode.removeprefix(ATTRIBUTE)) if mode.startswith(ATTRIBUTE) else 1
+
+    def _show_measure_controls(self) -> None:
+        """Show the sliders of eq. (3) with the modes that they act on."""
+        mode = str(self.mode)
+        self._k0_slider.layout.display = "" if mode in (REGIONS, SUM) else "none"
+        self._epsilon_slider.layout.display = "" if mode == REGIONS else "none"
 
     def _measure_changed(self) -> None:
         if str(self.mode) in (REGIONS, SUM):
@@ -157,34 +161,34 @@ class SymmetryWidget(ShapeWidget):
         middle = 0.5 * (vertices + vertices[self._symmetry.p2p])
         return position_colors(middle, self._viewer.panes[0].frame.axes)
 
-    def _mirrored_field(self) -> Field:
+    def _mirrored_field(self, k: int) -> Field:
         return ColorField(
             [self._mirror_colors] * 2, "a point and its mirror image have one colour; the line is the axis"
         )
 
-    def _side_field(self) -> Field:
+    def _side_field(self, k: int) -> Field:
         side = np.asarray(self._symmetry.side)
         numbers = np.where(side > 0, 1, np.where(side < 0, 0, -1))
         return region_field([numbers] * 2, "the two sides and the axis between them", ["left", "right"], "on the axis")
 
-    def _asymmetry_field(self) -> Field:
+    def _asymmetry_field(self, k: int) -> Field:
         label = "asymmetry: mean |d(p, q) − d(Tp, Tq)| / √area"
         return ScalarField([np.asarray(self._symmetry.asymmetry, dtype=np.float64)] * 2, label)
 
-    def _region_field(self) -> Field:
+    def _region_field(self, k: int) -> Field:
         k0 = min(self.k0, self._shape.spectrum.k)
         regions = symmetry_regions(self._shape.spectrum, epsilon=self.epsilon, k0=k0)
         label = f"bands of the sum of the first {k0} eigenfunctions, ε = {self.epsilon:.3f} wide"
         return region_field([regions] * 2, label)
 
-    def _sum_field(self) -> Field:
+    def _sum_field(self, k: int) -> Field:
         return ScalarField([self._sum] * 2, f"Σ |φₖ| √A over k ≤ {min(self.k0, self._shape.spectrum.k)} (no unit)")
 
-    def _eigen_field(self) -> Field:
-        return ScalarField([self._shape.eigenfunction(self.k)] * 2, f"φ, k = {self.k}, times √A (no unit)", True)
+    def _eigen_field(self, k: int) -> Field:
+        return ScalarField([self._shape.eigenfunction(k)] * 2, f"φ, k = {k}, times √A (no unit)", True)
 
-    def _attribute_field(self, name: str) -> Field:
-        return number_field([self._shape.attribute(name, self.k)] * 2, name)
+    def _attribute_field(self, name: str, k: int) -> Field:
+        return number_field([self._shape.attribute(name, k)] * 2, name)
 
     def _page_extras(self) -> dict[str, Any]:
         if not self._symmetry.found:
