@@ -160,19 +160,22 @@ def draw_match(job: Job, x: Surface, y: Surface, found: Correspondence, errors: 
     """Pictures of the map, of its regions, its distortion, and its errors where the truth is known."""
     from qgeo_filters.report.curves import plot_error_curve, plot_histogram
     from qgeo_filters.report.figures import plot_correspondence, plot_scalar
-    from qgeo_filters.report.maps import plot_region_pair
+    from qgeo_filters.report.maps import plot_region_pair, view_alike
+    from qgeo_filters.report.view import best_view
 
     names = (f"X: {job.names[0]}", f"Y: {job.names[1]}")
+    view = best_view(x.vertices, x.faces)
+    views = view, view_alike(x, view, y, found.p2p)
     doubt = "" if found.confident else f"Not confident: {found.explanation}. "
     job.picture(
         "match",
         f"{doubt}The colours of Y carried over to X along the map: points that belong together have one colour.",
-        partial(plot_correspondence, x, y, found.p2p, names=names),
+        partial(plot_correspondence, x, y, found.p2p, names=names, views=views),
     )
     job.picture(
         "regions",
         "Regions of equal colour on both shapes (paper, Fig. 6).",
-        partial(plot_region_pair, x, y, found.regions_x, found.regions_y, names=names),
+        partial(plot_region_pair, x, y, found.regions_x, found.regions_y, names=names, views=views),
     )
     unit = "distortion of distances (√area)"
     job.picture(

@@ -13,6 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from qgeo_filters.report.charts import plot_distance_matrix, plot_path_curvature, plot_spectrum
 from qgeo_filters.report.colors import distinct, diverging, position_colors, sequential
 from qgeo_filters.report.glyphs import ball, tube
+from qgeo_filters.report.maps import view_alike
 from qgeo_filters.report.panels import Panel, panel_figure
 from qgeo_filters.report.view import View, best_view
 from qgeo_filters.surface import Surface
@@ -269,11 +270,15 @@ def plot_correspondence(
         Vertex of Y for each vertex of X.
     names : (str, str)
     views : (View, View), optional
+        By default the same side of both.
     """
     target = np.asarray(p2p)
     if target.shape != (x.n_vertices,):
         raise ValueError(f"p2p has shape {target.shape}, but X has {x.n_vertices} vertices")
-    view_x, view_y = views or (_view_of(x), _view_of(y))
+    if views is None:
+        view = _view_of(x)
+        views = view, view_alike(x, view, y, target)
+    view_x, view_y = views
     colors = position_colors(y.vertices, view_y.axes)
     panels = [Panel(x, view_x, names[0], {"colors": colors[target]}), Panel(y, view_y, names[1], {"colors": colors})]
     return panel_figure(panels)

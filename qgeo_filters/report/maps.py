@@ -16,6 +16,24 @@ from qgeo_filters.surface import Surface
 
 # The two sides, and the axis between them.
 _SIDES = np.array([[0.45, 0.62, 0.85], [0.95, 0.76, 0.45], [0.75, 0.12, 0.18]])
+_TURNS = (0.0, 180.0, 60.0, -60.0, 120.0, -120.0)  # degrees
+
+
+def view_alike(x: Surface, view_x: View, y: Surface, p2p: npt.ArrayLike) -> View:
+    """View of Y that shows what is seen of X: of six around Y, the one in which most images face the same way.
+
+    Parameters
+    ----------
+    x : Surface
+    view_x : View
+    y : Surface
+    p2p : array-like of int, shape (n_x,)
+        Vertex of Y for each vertex of X.
+    """
+    seen = np.sign(x.vertex_normals @ view_x.axes[2]) * x.vertex_areas
+    normals = y.vertex_normals[np.asarray(p2p)]
+    views = [best_view(y.vertices, y.faces).turned(degrees) for degrees in _TURNS]
+    return max(views, key=lambda view: float(seen @ np.sign(normals @ view.axes[2])))
 
 
 def plot_sides(surface: Surface, side: npt.ArrayLike, *, view: View | None = None) -> Figure:

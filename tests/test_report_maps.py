@@ -1,0 +1,84 @@
+"""Figures of maps (sides, regions, poses, views from the same side) and charts of errors."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from shapes import icosphere
+
+from qgeo_filters.report.curves import plot_error_curve, plot_histogram, plot_pairwise
+from qgeo_filters.report.maps import plot_poses, plot_region_pair, plot_sides, view_alike
+from qgeo_filters.report.view import best_view
+from qgeo_filters.surface import Surface
+
+
+@pytest.fixture(scope="module")
+def sphere() -> Surface:
+    """162 vertices, stretched so that there is a broadside."""
+    vertices, faces = icosphere(2)
+    return Surface(vertices * [2.0, 1.0, 0.7], faces)
+
+
+def test_the_same_side_is_shown_of_a_turned_copy(sphere: Surface) -> None:
+    view = best_view(sphere.vertices, sphere.faces)
+    turn = np.diag([-1.0, 1.0, -1.0])  # half a turn about the upright axis
+    turned = Surface(sphere.vertices @ turn, sphere.faces)
+    other = view_alike(sphere, view, turned, np.arange(162))
+    seen, seen_of_copy = sphere.vertex_normals @ view.axes[2] > 0, turned.vertex_normals @ other.axes[2] > 0
+    assert (seen == seen_of_copy).mean() > 0.95
+
+
+def test_sides_show_two_colours_and_the_axis(sphere: Surface) -> None:
+    side = np.sign(np.round(sphere.vertices[:, 0], 1)).astype(np.int8)
+    assert (side == 0).any()
+    picture = plot_sides(sphere, side).axes[0].images[0].get_array().reshape(-1, 3).astype(int)
+    red, green, blue = picture.T
+    assert (blue > red + 20).sum() > 500
+    assert (red > blue + 40).sum() > 500
+    assert ((red > green + 80) & (red > blue + 60)).sum() > 50
+    with pytest.raises(ValueError, match="-1, 0 or 1 for each of the 162"):
+        plot_sides(sphere, side * 2)
+
+
+def test_regions_of_equal_number_have_equal_colours(sphere: Surface) -> None:
+    regions = (sphere.vertices[:, 0] > 0).astype(np.int32)
+    view = best_view(sphere.vertices, sphere.faces)
+    figure = plot_region_pair(sphere, sphere, regions, regions, views=(view, view))
+    first, second = (axes.images[0].get_array() for axes in figure.axes)
+    np.testing.assert_array_equal(first, second)
+
+
+def test_poses_in_one_colouring(sphere: Surface) -> None:
+    order = np.random.default_rng(0).permutation(162)
+    image = np.argsort(order)
+    shuffled = Surface(sphere.vertices[order], image[sphere.faces])
+    first, second = (
+        axes.images[0].get_array() for axes in plot_poses([sphere, shuffled], [np.arange(162), image]).axes
+    )
+    assert np.abs(first.astype(int) - second).mean() < 1.0
+    with pytest.raises(ValueError, match="one map for each of the 2 poses"):
+        plot_poses([sphere, sphere], [np.arange(162)])
+
+
+def test_histogram_is_of_the_area() -> None:
+    axes = plot_histogram([0.0, 1.0], [3.0, 1.0], "distortion").axes[0]
+    heights = [patch.get_height() for patch in axes.patches]
+    assert (heights[0], heights[-1]) == (75.0, 25.0)
+    assert axes.lines[0].get_xdata()[0] == 0.25  # the mean
+
+
+def test_histogram_of_an_isometry() -> None:
+    assert plot_histogram(np.zeros(5), np.ones(5), "distortion").axes[0].get_xlim()[1] > 0
+
+
+def test_error_curve() -> None:
+    line = plot_error_curve([0.0, 0.0, 0.1, 0.5]).axes[0].lines[0]
+    shares = dict(zip(np.round(line.get_xdata(), 3).tolist(), line.get_ydata().tolist(), strict=True))
+    assert (shares[0.0], shares[0.2]) == (50.0, 75.0)
+
+
+def test_pairwise() -> None:
+    axes = plot_pairwise([[0.0, 2.0], [2.0, 0.0]], ["a", "b"], "C_XY").axes[0]
+    assert [text.get_text() for text in axes.texts] == ["0", "2", "2", "0"]
+    with pytest.raises(ValueError, match="3 names"):
+        plot_pairwise(np.eye(2), ["a", "b", "c"], "C_XY")
