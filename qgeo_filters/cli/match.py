@@ -72,7 +72,7 @@ def match(
         "regions_y": found.regions_y,
     }
     attributes: dict[str, np.ndarray] = {
-        "qgeo_match": found.p2p.astype(np.int32),
+        "qgeo_correspondence": found.p2p.astype(np.int32),
         "qgeo_region": found.regions_x,
         "qgeo_distortion": found.distortion,
     }

@@ -46,7 +46,7 @@ def test_match(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> None:
     assert found["mean_error"] == 0.0
     assert found["percent_within_0.05"] == 100.0
     x, y = (qg.Surface.read(f"qgeo-out/blob-{number}.ply") for number in (1, 2))
-    np.testing.assert_array_equal(x.attributes["qgeo_match"], truth)
+    np.testing.assert_array_equal(x.attributes["qgeo_correspondence"], truth)
     np.testing.assert_array_equal(x.attributes["qgeo_region"], arrays["regions_x"])
     np.testing.assert_array_equal(y.attributes["qgeo_region"], arrays["regions_y"])
     np.testing.assert_array_equal(arrays["regions_x"], arrays["regions_y"][truth])
