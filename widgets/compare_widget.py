@@ -172,12 +172,11 @@ class CompareWidget(ShapeWidget):
                 for pane, vertex in zip(self._viewer.panes, pair, strict=True):
                     place = None if vertex is None else pane.surface.vertices[vertex]
                     pane.set_mark(slot, place, _COLORS[slot])
-            self._info.value = self._described()
-            self._show_paths()
+            self._info.value = self._described(self._path_lengths())
         if self.mode == DISTANCE:
             self._refresh()
 
-    def _described(self) -> str:
+    def _described(self, lengths: list[str]) -> str:
         if not self.pairs:
             return controls.table([["Click a point on either shape; a second click draws the quasi-geodesics."]])
         head = ["", "X", "Y"]
@@ -188,15 +187,16 @@ class CompareWidget(ShapeWidget):
             rows += [[key, *(v.get(key, "–") for v in values)] for key in sorted(values[0] | values[1])]
             if self._truth is not None:
                 rows.append(["error there", f"{self._errors[i]:.4f} √area", ""])
-        return controls.table(rows, head)
+        return controls.table(rows + ([["quasi-geodesic", *lengths]] if lengths else []), head)
 
-    def _show_paths(self) -> None:
+    def _path_lengths(self) -> list[str]:
+        """Draw the path between two picked points on each shape; its lengths as text, none unless there are two."""
         assert self._viewer is not None
         ends = self.pairs
         for pane in self._viewer.panes:
             pane.set_line("path", None)
         if len(ends) < 2:
-            return
+            return []
         from qgeo_filters.geodesics.paths import quasi_geodesic
 
         lengths = []
@@ -204,7 +204,7 @@ class CompareWidget(ShapeWidget):
             path = quasi_geodesic(shape.surface, ends[0][side], ends[1][side], shape.metric)
             pane.set_line("path", path.points, _COLORS["first"])
             lengths.append(f"{path.length / shape.unit:.4f} √area")
-        self._info.value += controls.table([["quasi-geodesic", *lengths]])
+        return lengths
 
     # -- colours ------------------------------------------------------------------------------------
 
