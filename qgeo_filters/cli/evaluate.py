@@ -144,7 +144,6 @@ def _chosen(pairs: list[tuple[str, str]], count: int | None, seed: int) -> list[
 
 def _matches(data: Dataset, pairs: list[tuple[str, str]]) -> list[PairResult]:
     """Errors of the matches of these pairs, each shape prepared once."""
-    from qgeo_filters.cli.match import prepare
     from qgeo_filters.evaluation import PairResult, SymmetricErrors, geodesic_error, symmetric_errors
     from qgeo_filters.matching.correspondence import match
     from qgeo_filters.matching.descriptor import Descriptor
@@ -154,8 +153,7 @@ def _matches(data: Dataset, pairs: list[tuple[str, str]]) -> list[PairResult]:
     for x, y in pairs:
         for name in (x, y):
             if name not in shapes:
-                shapes[name] = Descriptor(data.read(name))
-                prepare(shapes[name])
+                shapes[name] = Descriptor(data.read(name)).prepared()
         truth = data.truth(x, y)
         started = time.process_time()
         result = match(shapes[x], shapes[y])
@@ -175,7 +173,6 @@ def _matches(data: Dataset, pairs: list[tuple[str, str]]) -> list[PairResult]:
 
 def _symmetries(data: Dataset, names: list[str]) -> list[PairResult]:
     """Errors of the symmetry maps of these shapes; where none was found, those of the identity."""
-    from qgeo_filters.cli.match import prepare
     from qgeo_filters.evaluation import PairResult, SymmetricErrors, geodesic_error
     from qgeo_filters.matching.descriptor import Descriptor
     from qgeo_filters.matching.symmetry import self_symmetry
@@ -183,8 +180,7 @@ def _symmetries(data: Dataset, names: list[str]) -> list[PairResult]:
     found = []
     for name in names:
         truth = data.symmetry(name)
-        shape = Descriptor(data.read(name))
-        prepare(shape)
+        shape = Descriptor(data.read(name)).prepared()
         started = time.process_time()
         result = self_symmetry(shape)
         seconds = time.process_time() - started

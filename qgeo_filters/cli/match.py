@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
     from qgeo_filters.cli.job import Job
     from qgeo_filters.matching.correspondence import Correspondence
-    from qgeo_filters.matching.descriptor import Descriptor
     from qgeo_filters.surface import Surface
 
 
@@ -58,7 +57,7 @@ def match(
     a, b = (Descriptor(shape, progress=job.progress) for shape in shapes)
     for name, descriptor in zip(("X", "Y"), (a, b), strict=True):
         with job.stage(f"spectra of {name}"):
-            prepare(descriptor)
+            descriptor.prepared()
     with job.stage("match"):
         found = correspondence_of(a, b, normalize=normalize)
     arrays = {
@@ -91,11 +90,6 @@ def match(
     )
     draw_match(job, *shapes, found, errors)
     job.finish()
-
-
-def prepare(descriptor: Descriptor) -> None:
-    """Compute what belongs to one shape alone, so that its time is told apart from that of the match."""
-    _ = descriptor.views, descriptor.laplacian
 
 
 def read_truth(path: Path, n_x: int, n_y: int) -> np.ndarray:
