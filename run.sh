@@ -27,11 +27,13 @@ system_libraries() {
     command -v apt-get >/dev/null || return 0
     for library in libGL.so.1:libgl1 libEGL.so.1:libegl1 libOpenGL.so.0:libopengl0 libusb-1.0.so.0:libusb-1.0-0 \
         libgomp.so.1:libgomp1 libX11.so.6:libx11-6; do
-        ldconfig -p 2>/dev/null | grep -q "${library%%:*}" || /sbin/ldconfig -p | grep -q "${library%%:*}" ||
-            missing+=("${library##*:}")
+        /sbin/ldconfig -p | grep -q "${library%%:*}" || missing+=("${library##*:}")
     done
     "$python" -c 'import ensurepip, venv' 2>/dev/null || missing+=("$(basename "$(readlink -f "$(command -v "$python")")")-venv")
-    if [ "$kind" = test ] && ! command -v chromium >/dev/null; then missing+=(chromium); fi
+    if [ "$kind" = test ]; then # the browser tests: chromium, and what playwright's driver loads
+        command -v chromium >/dev/null || missing+=(chromium)
+        /sbin/ldconfig -p | grep -q libatomic.so.1 || missing+=(libatomic1)
+    fi
     [ ${#missing[@]} -gt 0 ] || return 0
     if [ "$(id -u)" != 0 ]; then
         if ! sudo -n true 2>/dev/null; then
