@@ -23,8 +23,8 @@ _CONTENDERS = 8
 _CONTENDING = 1.7
 # An edge is torn if its ends are mapped this many mean edges apart.
 _TORN = 3.0
-# Shares of torn edges and folded triangles, and strains, below these do not tell maps apart.
-_LEAST_TORN, _LEAST_FOLDED, _LEAST_STRAIN = 1e-3, 5e-4, 1e-3
+# Shares of torn edges and folded triangles, strains and distortions below these do not tell maps apart.
+_LEAST_TORN, _LEAST_FOLDED, _LEAST_STRAIN, _LEAST_DISTORTION = 1e-3, 5e-4, 1e-3, 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,14 +70,17 @@ class Contender:
 
     @property
     def cost(self) -> float:
-        """Product of strain, torn and folded shares: several times as large for a map that is wrong in a part."""
-        return max(self.strain, _LEAST_STRAIN) * max(self.torn, _LEAST_TORN) * (self.folded + _LEAST_FOLDED)
+        """Product of strain, torn and folded shares, and root of the distortion: larger for a map wrong in a part."""
+        torn, folded = max(self.torn, _LEAST_TORN), self.folded + _LEAST_FOLDED
+        return max(self.strain, _LEAST_STRAIN) * torn * folded * np.sqrt(max(self.distortion, _LEAST_DISTORTION))
 
 
 def candidates(x: Descriptor, y: Descriptor, *, identity: bool = True) -> list[Candidate]:
     """Different maps from X to Y, the least distorting first; see `search` for ``identity``."""
     hypotheses = search(x, y, identity=identity)
-    worth = [h for h in hypotheses if h.distortion <= _WORTHWHILE * hypotheses[0].distortion + 0.01]
+    # Without the identity, what is left near it may keep distances better than any reflection does.
+    bound = _WORTHWHILE * hypotheses[0].distortion + 0.01 if identity and hypotheses else np.inf
+    worth = [h for h in hypotheses if h.distortion <= bound]
     found = [candidate(x, y, grown(x, y, hypothesis)) for hypothesis in worth]
     return sorted(found, key=lambda c: c.distortion)
 
@@ -98,7 +101,8 @@ def contenders(x: Descriptor, y: Descriptor, pool: list[Candidate]) -> list[Cont
     best = ranked[0].distortion
     tried: list[Candidate] = []
     for c in ranked:
-        if len(tried) < _CONTENDERS and c.distortion <= _CONTENDING * best + 0.01 and _differs(y, c, tried):
+        near = len(tried) < _CONTENDERS and c.distortion <= _CONTENDING * best + 0.01
+        if near and all(difference(y, c.p2p, t.p2p) > DISTINCT for t in tried):
             tried.append(c)
     return sorted((_trial(x, y, c) for c in tried), key=lambda c: c.cost)
 
@@ -127,8 +131,8 @@ def distortion(x: Descriptor, y: Descriptor, p2p: IndexArray) -> float:
     return float(np.abs(x.rows[:s, points] - between).mean())
 
 
-def _differs(y: Descriptor, one: Candidate, others: list[Candidate]) -> bool:
-    """Whether the images differ from those of all others by more than `DISTINCT` in the mean."""
+def difference(y: Descriptor, one: IndexArray, other: IndexArray) -> float:
+    """Mean distance on Y between the images of two maps (a close lower bound), in units of sqrt(area)."""
     # Distances to a landmark differ by at most the distance, and by nearly as much for one landmark of many.
     rows = y.rows[:100]
-    return all(np.abs(rows[:, one.p2p] - rows[:, o.p2p]).max(axis=0).mean() > DISTINCT for o in others)
+    return float(np.abs(rows[:, one] - rows[:, other]).max(axis=0).mean())

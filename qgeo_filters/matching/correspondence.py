@@ -27,8 +27,6 @@ _PROBES = 200
 # The runner-up must cost this many times as much, and the map distort distances by no more than that, to be sure.
 _MARGIN = 1.3
 _SURE = 0.12
-# Costs are compared above this: an exact isometry has none.
-_NO_COST = 1e-12
 # A finished map whose orientation is below this did not settle on one side.
 _ORIENTED = 0.3
 
@@ -163,7 +161,7 @@ def _described(
     score = float(x.areas @ distortion)
     turned = orientation(x.unit, y.unit, p2p)
     runner_up = ranked[1].distortion if len(ranked) > 1 else float("inf")
-    margin = ranked[1].cost / max(ranked[0].cost, _NO_COST) if len(ranked) > 1 else float("inf")
+    margin = ranked[1].cost / ranked[0].cost if len(ranked) > 1 else float("inf")
     confident, explanation = _verdict(score, margin, turned, mirrored)
     spectrum_x, spectrum_y = x.views[-1].spectrum, y.views[-1].spectrum
     phi_x, phi_y = spectrum_x.eigenfunctions, spectrum_y.eigenfunctions

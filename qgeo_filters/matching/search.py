@@ -29,6 +29,8 @@ _SURVIVORS = 24
 _CHECKED_AT = (10, 13)
 #: Two maps whose images are this far apart in the mean, in units of sqrt(area), are different maps.
 DISTINCT = 0.04
+# Maps that move points by less than this in the mean are the identity, or the identity with a limb displaced.
+_NEAR_IDENTITY = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,9 +77,10 @@ def search(x: Descriptor, y: Descriptor, limit: int = 12, *, identity: bool = Tr
     found.sort(key=lambda hypothesis: hypothesis.distortion)
     place = np.zeros(y.n_vertices, dtype=np.int64)
     place[y.samples[:s]] = np.arange(s)
-    taken = [] if identity else [np.arange(s)]
-    kept = distinct(taken + [place[hypothesis.p2p] for hypothesis in found], near[1], limit + len(taken))
-    return [found[i - len(taken)] for i in kept[len(taken) :]]
+    if not identity:
+        moved = [float(near[1][place[hypothesis.p2p], np.arange(s)].mean()) for hypothesis in found]
+        found = [hypothesis for hypothesis, far in zip(found, moved, strict=True) if far > _NEAR_IDENTITY]
+    return [found[i] for i in distinct([place[hypothesis.p2p] for hypothesis in found], near[1], limit)]
 
 
 def distinct(maps: list[IndexArray], distances: SingleArray, limit: int) -> list[int]:

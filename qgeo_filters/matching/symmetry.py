@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.geodesics.matrix import distances
-from qgeo_filters.matching.candidates import candidates, contenders
+from qgeo_filters.matching.candidates import candidates, contenders, difference
 from qgeo_filters.matching.descriptor import Descriptor
 from qgeo_filters.matching.finish import Finished, finished
 from qgeo_filters.matching.involution import paired
@@ -25,12 +25,14 @@ IndexArray = npt.NDArray[np.int64]
 TOLERANCE = 0.08
 # The next best reflection must cost this many times as much: a sphere or a torus has many that cost the same.
 _MARGIN = 1.3
-# Costs are compared above this.
-_NO_COST = 1e-12
+# Where it costs less than this many times as much, mirror points must be more alike.
+_CLEAR = 3.0
+# Mean distance between the images, in sqrt(area), from which two reflections are different ones.
+_ELSEWHERE = 0.1
 # Heat kernels, at these times in units of the area, correlate by more than this between mirror points. Posed animals
 # (TOSCA's cat, dog and centaur) have .96 to 1, random smooth blobs about .9 under their best reflection.
 _TIMES = (0.01, 0.03)
-_ALIKE = 0.94
+_ALIKE, _MORE_ALIKE = 0.94, 0.965
 # Points to which distances are compared for the asymmetry.
 _PROBES = 200
 
@@ -122,7 +124,9 @@ def _found(x: Descriptor, tolerance: float) -> Symmetry:
     if not reflections:
         return _none(x, "no map of the shape to its mirror image keeps distances even roughly")
     ranked = contenders(x, x.mirrored, reflections)
-    margin = ranked[1].cost / max(ranked[0].cost, _NO_COST) if len(ranked) > 1 else np.inf
+    # Maps that differ in a limb only are no other symmetry.
+    rivals = [c for c in ranked[1:] if difference(x, c.p2p, ranked[0].p2p) > _ELSEWHERE]
+    margin = rivals[0].cost / ranked[0].cost if rivals else np.inf
     if margin < _MARGIN and ranked[0].distortion < tolerance:
         return _none(
             x,
@@ -137,7 +141,7 @@ def _found(x: Descriptor, tolerance: float) -> Symmetry:
             f"in the mean, more than the tolerance of {tolerance:g}",
         )
     likeness = min(_likeness(x, found.nearest, time) for time in _TIMES)
-    if likeness < _ALIKE:
+    if likeness < (_ALIKE if margin > _CLEAR else _MORE_ALIKE):
         return _none(
             x,
             f"the best map of the shape to its mirror image keeps distances to {found.distortion:.3f} sqrt(area), but "

@@ -1,0 +1,40 @@
+"""Errors of the self-symmetry map on TOSCA, as a Markdown table.
+
+    python benchmarks/symmetry.py ROOT --shapes cat0 horse5
+
+ROOT as for ``matching.py``; all shapes by default. Errors in units of sqrt(area): of the involution, and of the nearest
+vertex to the mirror point.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+
+from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
+from qgeo_filters.matching.descriptor import Descriptor
+from qgeo_filters.matching.symmetry import self_symmetry
+
+
+def main() -> None:
+    """Print a row for each shape."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("root")
+    parser.add_argument("--shapes", nargs="+")
+    arguments = parser.parse_args()
+    data = ToscaRemeshed(arguments.root)
+    print("| shape | found | involution | nearest vertex | distortion | CPU s |")
+    print("| --- | --- | ---: | ---: | ---: | ---: |")
+    for name in arguments.shapes or data.names():
+        shape = Descriptor(data.read(name)).prepared()
+        start = time.process_time()
+        found = self_symmetry(shape)
+        seconds = time.process_time() - start
+        truth = data.symmetry(name).images
+        errors = [geodesic_error(p2p, truth, shape.surface).mean() for p2p in (found.p2p, found.nearest)]
+        cells = [name, "yes" if found.found else "no", *(f"{error:.4f}" for error in errors)]
+        print("| " + " | ".join([*cells, f"{found.distortion:.4f}", f"{seconds:.1f}"]) + " |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
