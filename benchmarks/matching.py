@@ -2,8 +2,8 @@
 
     python benchmarks/matching.py ROOT --categories cat dog centaur --pairs 6
 
-ROOT holds ``remeshed``, ``ground_truth`` and ``symmetry`` (see `ToscaRemeshed`). With ``--pairs`` a random subset of each
-category, the same in each run, is measured; all pairs without. Errors are direct, in units of sqrt(area).
+ROOT holds ``remeshed``, ``ground_truth`` and ``symmetry`` (see `ToscaRemeshed`). With ``--pairs`` a random subset of
+each category, the same in each run, is measured; all pairs without. Errors are direct, in units of sqrt(area).
 """
 
 from __future__ import annotations
