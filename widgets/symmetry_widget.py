@@ -72,7 +72,7 @@ class SymmetryWidget(ShapeWidget):
             self.observe(lambda _: self._measure_changed(), ["epsilon", "k0"])
             self._show_picked()
             if not self._symmetry.found:
-                self.message = f"{self._symmetry.reason} The regions of eq. (3) are shown."
+                self.message = f"No self-symmetry: {self._symmetry.reason}. The regions of eq. (3) are shown."
 
     @property
     def image(self) -> int | None:

@@ -7,7 +7,9 @@ import time
 import browser as tools
 import numpy as np
 import pytest
+import shapes
 
+from qgeo_filters import Surface
 from qgeo_widgets.frames import frame_of
 from qgeo_widgets.viewer import Viewer
 
@@ -133,6 +135,43 @@ def test_geodesics_by_mouse(notebook, page, pair):
         handle.press("ArrowRight")
     tools.until(lambda: float(book.python("print(w.weight)")) > 0.06)
     assert float(book.python("print(w.path.length)")) > length
+
+
+def test_symmetry_by_mouse(notebook, page, lab):
+    vertices, faces = shapes.icosphere(3)
+    lumpy = vertices * (1 + 0.3 * vertices[:, 1:2] + 0.2 * vertices[:, 2:] ** 2)
+    surface = Surface(lumpy, faces)
+    mirror = np.linalg.norm(lumpy[:, None] * [-1, 1, 1] - lumpy, axis=2).argmin(axis=1)
+    surface.write(lab.folder / "s.ply")
+    np.save(lab.folder / "mirror.npy", mirror)
+    book = notebook(
+        "from types import SimpleNamespace\n"
+        "s, T = qg.Surface.read('s.ply'), np.load('mirror.npy')\n"
+        "sides = np.sign(s.vertices[:, 0].round(6)).astype(int)\n"
+        "known = SimpleNamespace(found=True, reason='', p2p=T, side=sides, asymmetry=0.0 * sides)\n"
+        "w = qw.symmetry(s, symmetry=known)\nw"
+    )
+    front, back = book.canvases(2)
+    before = tools.settled(front), tools.settled(back)
+    tools.drag(page, front, 50, 10, release=False)
+    for canvas, old in zip((front, back), before, strict=True):
+        tools.until(lambda canvas=canvas, old=old: np.abs(tools.pixels(canvas) - old).mean() > 0.5)
+    page.mouse.up()
+    page.get_by_role("button", name="reset view").click()
+    tools.until(lambda: book.python("print(np.allclose(w.camera, w._viewer.home))") == "True")
+    time.sleep(0.5)
+    vertex = front_vertices(surface)[0]
+    page.mouse.click(*place_on_screen(surface, vertex, (440, 400), front))
+    tools.until(lambda: book.python("print(w.picked)") == str(vertex))
+    assert book.python("print(w.image)") == str(mirror[vertex])
+    page.get_by_text("mirror image", exact=True).wait_for()
+    page.get_by_label("colour").select_option("regions of eq. (3)")
+    tools.until(lambda: book.python("print(w.mode)") == "regions of eq. (3)")
+    first = tools.settled(front)
+    handle = page.locator(".widget-slider:visible .noUi-handle").first
+    for _ in range(6):
+        handle.press("ArrowRight")
+    tools.until(lambda: np.abs(tools.pixels(front) - first).mean() > 0.5)
 
 
 def test_a_page_without_webgl_shows_a_picture_and_a_sentence(chromium, lab, pair):

@@ -6,6 +6,7 @@ import time
 
 import numpy as np
 import pytest
+import shapes
 import traitlets
 
 import qgeo_widgets as qw
@@ -169,6 +170,48 @@ def test_bad_input_is_a_sentence_in_the_widget(pair, kind):
     assert "Traceback" not in widget._message_line.value
     with pytest.raises(ValueError, match="nothing to draw"):
         widget.snapshot()
+    widget.close()
+
+
+def test_without_a_map_one_is_found_with_its_regions(pair):
+    x, y, where = pair
+    widget = qw.compare(x, y, truth=where, progress=False)
+    assert widget.message == ""
+    assert (widget.p2p == where).mean() > 0.95
+    assert "confident" in widget._orientation.value
+    widget.mode = names.REGIONS
+    on_x, on_y = colors(widget)
+    assert len(np.unique(on_x, axis=0)) > 3
+    assert (on_x == on_y[where]).all(axis=1).mean() > 0.8
+    widget.mode = names.DISTORTION
+    assert widget._field.values[0].max() < 0.1
+    widget.close()
+
+
+def test_mirrored_shows_the_twin_of_the_map():
+    vertices, faces = shapes.icosphere(3)
+    lumpy = vertices * (1 + 0.3 * vertices[:, 1:2] + 0.2 * vertices[:, 2:] ** 2)
+    mirror = np.linalg.norm(lumpy[:, None] * [-1, 1, 1] - lumpy, axis=2).argmin(axis=1)
+    same = np.arange(len(lumpy))
+    widget = qw.compare((lumpy, faces), (lumpy, faces), p2p=same, truth=same)
+    assert "keeps the orientation" in widget._orientation.value
+    widget.__dict__["_mirror"] = mirror  # what self_symmetry finds, at a cost
+    widget.mode = names.ERROR
+    widget.flip = True
+    np.testing.assert_array_equal(widget.p2p, mirror)
+    assert "is mirrored" in widget._orientation.value
+    assert widget._field.values[0].max() > 0.3
+    widget.flip = False
+    np.testing.assert_array_equal(widget.p2p, same)
+    assert widget._field.values[0].max() == 0
+    widget.close()
+
+
+def test_shapes_that_cannot_match_are_a_sentence(pair):
+    x, y, _ = pair
+    vertices = np.concatenate([x.vertices, x.vertices + 5.0])
+    widget = qw.compare((vertices, np.concatenate([x.faces, x.faces + x.n_vertices])), y, progress=False)
+    assert "one piece" in widget.message
     widget.close()
 
 

@@ -105,9 +105,9 @@ def test_asymmetry_is_what_was_given(widget, mirror):
 
 
 def test_a_shape_without_symmetry_says_so_and_shows_regions(surface):
-    none = SimpleNamespace(found=False, reason="No map keeps the distances.", p2p=np.arange(642))
+    none = SimpleNamespace(found=False, reason="no map keeps the distances", p2p=np.arange(642))
     widget = qw.symmetry(surface, symmetry=none)
-    assert "No map keeps the distances." in widget.message
+    assert widget.message.startswith("No self-symmetry: no map keeps the distances. ")
     assert widget.mode == names.REGIONS
     assert names.MIRRORED not in widget.modes
     widget.picked = 3
