@@ -34,6 +34,8 @@ _HOME = {
     "GeodesicPath": "geodesics.paths",
     "DistanceOperator": "geodesics.operator",
     "distance_spectrum": "spectral.distance_spectrum",
+    "landmark_spectrum": "spectral.landmarks",
+    "streamed_spectrum": "spectral.streaming",
     "laplacian_spectrum": "spectral.laplacian",
     "Spectrum": "spectral.distance_spectrum",
     "self_symmetry": "matching.symmetry",
