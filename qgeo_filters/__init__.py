@@ -48,6 +48,7 @@ _HOME = {
     "warmup": "geodesics.warmup",
     # filters
     "Filter": "filters.base",
+    "registered": "filters.base",
     "Pipeline": "filters.pipeline",
     "DifferentialCoordinates": "filters.differential",
     "CorrectedNormals": "filters.differential",

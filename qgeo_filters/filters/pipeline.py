@@ -158,10 +158,14 @@ def _step(position: int, entry: Any) -> Filter:
     params = params or {}
     if not isinstance(params, dict):
         raise ValueError(f"steps[{position}] ({name}): parameters must be a mapping, got {params!r}")
-    names = REGISTRY[name]._parameter_names()
+    defaults = REGISTRY[name]().get_params()
+    names = list(defaults)
     unknown = [key for key in params if key not in names]
     if unknown:
         raise ValueError(
             f"steps[{position}]: {name} has no parameter {unknown[0]!r}; it has {', '.join(names) or 'none'}"
         )
+    for key, value in params.items():
+        if isinstance(value, list) and isinstance(defaults[key], tuple):  # YAML has no tuples
+            params = {**params, key: tuple(value)}
     return REGISTRY[name](**params)

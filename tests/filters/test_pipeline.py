@@ -61,7 +61,7 @@ def test_the_matrix_is_computed_once_whatever_the_bound(monkeypatch: pytest.Monk
 
 
 def test_yaml_round_trip(tmp_path: Path) -> None:
-    pipe = qg.DifferentialCoordinates("cotangent") | qg.QuasiGeodesicSpectrum(k=7, curvature_weight=0.1)
+    pipe = qg.DifferentialCoordinates("cotangent") | qg.SurfaceScalar(clip=(5, 95)) | qg.QuasiGeodesicSpectrum(k=7)
     pipe.save(tmp_path / "pipe.yaml")
     again = qg.Pipeline.load(tmp_path / "pipe.yaml")
     assert repr(again) == repr(pipe)
