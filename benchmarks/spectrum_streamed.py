@@ -42,9 +42,8 @@ def main(path: str, landmarks: int = 500, k: int = 20) -> None:
         sine = subspace_sine(found.eigenfunctions, reference.eigenfunctions, surface.vertex_areas)
         error = abs(found.eigenvalues / reference.eigenvalues - 1).max()
         print(f"| {passes} | {sine:.2g} | {error:.2g} | {cpu:.0f} | {wall:.0f} |", flush=True)
-    print(
-        f"\nPeak memory of the process: {peak:.2f} GB; the matrix would take {surface.n_vertices**2 * 4 / 2**30:.1f} GB."
-    )
+    matrix = surface.n_vertices**2 * 4 / 2**30
+    print(f"\nPeak memory of the process: {peak:.2f} GB; the matrix would take {matrix:.1f} GB.")
 
 
 if __name__ == "__main__":
