@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from tqdm.auto import tqdm
 
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.matching.candidates import Candidate, Contender, candidate, candidates, contenders
@@ -96,7 +97,7 @@ def match(
         Whether to compare shapes regardless of size. If not, and their areas differ by more than a tenth, they are
         refused.
     progress : bool
-        Whether to show a progress bar over the distances.
+        Whether to show progress bars: one over the stages, and one over the distances of a shape.
 
     Returns
     -------
@@ -126,11 +127,24 @@ def match(
             f"the areas are {a.scale**2:.6g} and {b.scale**2:.6g}: shapes of different size are compared with "
             "normalize=True"
         )
-    pool, mirrored = _competing(a, b)
-    target = b.mirrored if mirrored else b
-    ranked = contenders(a, target, pool)
-    result = finished(a, target, ranked[0].p2p)
+    with tqdm(total=5, desc="describe X", disable=not progress) as bar:
+        a.prepared()
+        _next(bar, "describe Y")
+        b.prepared()
+        _next(bar, "search")
+        pool, mirrored = _competing(a, b)
+        _next(bar, "try")
+        target = b.mirrored if mirrored else b
+        ranked = contenders(a, target, pool)
+        _next(bar, "finish")
+        result = finished(a, target, ranked[0].p2p)
+        _next(bar, "matched")
     return _described(a, b, result, ranked, mirrored)
+
+
+def _next(bar: tqdm, stage: str) -> None:
+    bar.update()
+    bar.set_description(stage)
 
 
 def _competing(x: Descriptor, y: Descriptor) -> tuple[list[Candidate], bool]:

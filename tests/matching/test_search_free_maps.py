@@ -119,3 +119,13 @@ def test_what_cannot_be_matched_is_refused_with_a_sentence() -> None:
         match(prepared(), Surface(2 * vertices, faces), normalize=False)
     with pytest.raises(ValueError, match="positive fraction"):
         self_symmetry(prepared(), tolerance=0)
+
+
+def test_progress_names_the_stages_and_silence_is_silent(capfd: pytest.CaptureFixture[str]) -> None:
+    shape = Descriptor(Surface(*creature(2)))
+    match(shape, shape)
+    assert capfd.readouterr().err == ""
+    match(shape, shape, progress=True)
+    told = capfd.readouterr().err
+    assert "describe X" in told
+    assert "matched: 100%" in told
