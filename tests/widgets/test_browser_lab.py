@@ -185,4 +185,5 @@ def test_a_page_without_webgl_shows_a_picture_and_a_sentence(chromium, lab, pair
     page.get_by_text("This browser shows no WebGL").wait_for(timeout=tools.PATIENCE)
     picture = page.get_by_alt_text("the shape, drawn in software")
     tools.until(lambda: tools.pixels(picture).std() > 15)
+    assert page.get_by_text("This browser shows no WebGL").is_visible()
     browser.close()

@@ -34,5 +34,6 @@ def test_compare_in_voila(page, pair, tmp_path):
         page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
         page.get_by_text("first point").wait_for()
         page.get_by_text("distance from vertex").wait_for()
+        assert page.get_by_text("distance from vertex").is_visible()
     finally:
         server.stop()
