@@ -104,8 +104,8 @@ class Descriptor:
 
     def prepared(self) -> Descriptor:
         """The same descriptor, with everything that matching takes from it computed now."""
-        if not (self.views and self.laplacian.size and self.normals.size):
-            raise AssertionError("a matchable shape has metrics, eigenfunctions and normals")
+        for name in ("views", "laplacian", "normals"):  # cached properties: looking at one computes it
+            getattr(self, name)
         return self
 
     @property
