@@ -14,8 +14,8 @@ from qgeo_filters.errors import MeshError
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import LiftedMetric
+from qgeo_filters.spectral.block_lanczos import block_eigenpairs
 from qgeo_filters.spectral.canonical import canonical_signs, group_multiplets
-from qgeo_filters.spectral.eigensolver import largest_eigenpairs
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen, listed
 
@@ -146,7 +146,9 @@ def distance_spectrum(
     return spectrum_of_matrix(matrix, surface.vertex_areas, k, weights)
 
 
-def spectrum_of_matrix(matrix: Any, areas: npt.ArrayLike, k: int = 20, weights: Weights = "area") -> Spectrum:
+def spectrum_of_matrix(
+    matrix: Any, areas: npt.ArrayLike, k: int = 20, weights: Weights = "area", *, tolerance: float = 1e-6
+) -> Spectrum:
     r"""Spectrum of a symmetric matrix of distances: the k eigenpairs of largest absolute value.
 
     With A the diagonal matrix of vertex areas, the eigenpairs :math:`(\gamma, u)` of :math:`A^{1/2} D A^{1/2}` give the
@@ -156,8 +158,8 @@ def spectrum_of_matrix(matrix: Any, areas: npt.ArrayLike, k: int = 20, weights: 
     Parameters
     ----------
     matrix : array-like, zarr.Array or LinearOperator, shape (n, n)
-        Symmetric, finite; float32 is used as it is. Only products with it are taken, three or four for each
-        eigenpair; an array on disk is read once for each.
+        Symmetric, finite; float32 is used as it is. Only products with it are taken, three to eight for each
+        eigenpair, sixteen at once; an array on disk is read once for these.
     areas : array-like, shape (n,)
         Area of each vertex, positive.
     k : int
@@ -167,7 +169,7 @@ def spectrum_of_matrix(matrix: Any, areas: npt.ArrayLike, k: int = 20, weights: 
     Returns
     -------
     Spectrum
-        By decreasing absolute eigenvalue. The same input gives the same bits: ARPACK starts from a fixed vector.
+        By decreasing absolute eigenvalue. The same input gives the same bits: the iteration starts from fixed vectors.
 
     Raises
     ------
@@ -177,6 +179,9 @@ def spectrum_of_matrix(matrix: Any, areas: npt.ArrayLike, k: int = 20, weights: 
         Shapes that do not match, k out of range, a matrix that is not symmetric or not finite (the
         distance between two pieces is infinite).
     """
+    tolerance : float
+        Residual of the last eigenpair, as a fraction of its eigenvalue, see `block_eigenpairs`; those before it are
+        more accurate.
     if weights not in ("area", "uniform"):
         raise ValueError(f"weights must be 'area' or 'uniform', got {weights!r}")
     area = np.asarray(areas, dtype=np.float64)
@@ -193,7 +198,7 @@ def spectrum_of_matrix(matrix: Any, areas: npt.ArrayLike, k: int = 20, weights: 
     # Free of the unit of length, so that no scale leaves the range of float32.
     unit = root @ root
     operator = _symmetric(matrix, root / np.sqrt(unit))
-    values, vectors = largest_eigenpairs(operator, k)
+    values, vectors = block_eigenpairs(operator, k, tolerance)
     return Spectrum.of(values * unit, vectors / root[:, None], area)
 
 
