@@ -18,7 +18,8 @@ class DistanceOperator(LinearOperator):
     """Symmetric linear operator v -> D v, D the (n, n) matrix of geodesic distances, in O(n) memory.
 
     Every product computes the rows of D afresh, a group of sources at a time: take the products of many
-    vectors in one call (``operator @ X``, as block methods do), they cost hardly more than one.
+    vectors in one call (``operator @ X``, as block methods do), they cost hardly more than one. Vectors in
+    float32 are multiplied in float32, twice as fast; the products are float64 either way.
 
     Parameters
     ----------
@@ -60,10 +61,11 @@ class DistanceOperator(LinearOperator):
         x = np.asarray(x)
         n = self.graph.n_vertices
         product = np.empty((n, x.shape[1]), np.result_type(x.dtype, np.float64))
+        entries = np.float32 if x.dtype == np.float32 else np.float64
 
         def task(first: int) -> None:
             sources = self.graph.vertex[first : first + GROUP].astype(np.int64)
-            rows = np.empty((len(sources), n))
+            rows = np.empty((len(sources), n), entries)
             self.graph.distances_into(rows, np.arange(len(sources)), sources)
             product[sources] = rows @ x
 

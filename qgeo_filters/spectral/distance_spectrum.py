@@ -30,7 +30,7 @@ _ROWS = 1024
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Eigenvalues and eigenfunctions of a symmetric operator on a surface.
+    r"""Eigenvalues and eigenfunctions of a symmetric operator on a surface.
 
     Attributes
     ----------
@@ -45,21 +45,35 @@ class Spectrum:
     multiplets : tuple of tuple of int
         Partition of ``range(k)`` into groups of nearly equal eigenvalues, see `group_multiplets`. Within a group only
         the span of the eigenfunctions has a meaning. The last group may be cut short by k.
+    residuals : (k,) float64 or None
+        Relative residual norms :math:`|K \phi - \gamma \phi| / |\gamma|`, where the solver measured them
+        (`streamed_spectrum`). An eigenvalue of the operator lies that near, relatively; the sine of the angle between
+        the span of some eigenfunctions and the true one is at most the norm of their residuals over the gap between
+        their eigenvalues and all others.
     """
 
     eigenvalues: FloatArray
     eigenfunctions: FloatArray
     areas: FloatArray
     multiplets: tuple[tuple[int, ...], ...]
+    residuals: FloatArray | None = None
 
     @classmethod
-    def of(cls, eigenvalues: npt.ArrayLike, eigenfunctions: npt.ArrayLike, areas: npt.ArrayLike) -> Spectrum:
+    def of(
+        cls,
+        eigenvalues: npt.ArrayLike,
+        eigenfunctions: npt.ArrayLike,
+        areas: npt.ArrayLike,
+        residuals: FloatArray | None = None,
+    ) -> Spectrum:
         """Spectrum of these eigenpairs, in their order, with canonical signs and multiplets."""
         values = np.array(eigenvalues, dtype=np.float64)
         weights = np.array(areas, dtype=np.float64)
         functions = np.array(eigenfunctions, dtype=np.float64)
         functions *= canonical_signs(functions, weights)
-        return cls(frozen(values), frozen(functions), frozen(weights), group_multiplets(values))
+        if residuals is not None:
+            residuals = frozen(np.array(residuals, dtype=np.float64))
+        return cls(frozen(values), frozen(functions), frozen(weights), group_multiplets(values), residuals)
 
     @property
     def k(self) -> int:
@@ -80,6 +94,7 @@ class Spectrum:
             frozen(self.eigenfunctions[:, :k].copy()),
             self.areas,
             group_multiplets(self.eigenvalues[:k]),
+            None if self.residuals is None else frozen(self.residuals[:k].copy()),
         )
 
 
@@ -165,6 +180,9 @@ def spectrum_of_matrix(
     k : int
         Number of eigenpairs, at most n.
     weights : {"area", "uniform"}
+    tolerance : float
+        Residual of the last eigenpair, as a fraction of its eigenvalue, see `block_eigenpairs`; those before it are
+        more accurate.
 
     Returns
     -------
@@ -179,9 +197,6 @@ def spectrum_of_matrix(
         Shapes that do not match, k out of range, a matrix that is not symmetric or not finite (the
         distance between two pieces is infinite).
     """
-    tolerance : float
-        Residual of the last eigenpair, as a fraction of its eigenvalue, see `block_eigenpairs`; those before it are
-        more accurate.
     if weights not in ("area", "uniform"):
         raise ValueError(f"weights must be 'area' or 'uniform', got {weights!r}")
     area = np.asarray(areas, dtype=np.float64)

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import eigh, qr
+from scipy.linalg import eigh
 
 from qgeo_filters.geodesics.lifting import lifted_metric
+from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric
 from qgeo_filters.geodesics.operator import DistanceOperator
 from qgeo_filters.spectral.distance_spectrum import Spectrum, check_areas, check_count
-from qgeo_filters.spectral.landmarks import landmark_spectrum
+from qgeo_filters.spectral.landmarks import farthest_points
 from qgeo_filters.surface import Surface
 
 FloatArray = npt.NDArray[np.float64]
-
-# Eigenfunctions carried beside the wanted ones, so that the last of these converge as well.
-_MORE = 12
 
 
 def streamed_spectrum(
@@ -24,7 +22,7 @@ def streamed_spectrum(
     k: int = 20,
     metric: LiftedMetric | None = None,
     *,
-    landmarks: int = 500,
+    landmarks: int = 1000,
     passes: int = 2,
     accuracy: float = 1e-3,
     workers: int | None = None,
@@ -32,9 +30,11 @@ def streamed_spectrum(
 ) -> Spectrum:
     r"""Spectrum of all distances in O(n) memory: the k eigenpairs of largest absolute value.
 
-    Subspace iteration on :math:`A^{1/2} D A^{1/2}`, started from the spectrum of some landmarks. Each pass
-    computes all rows of D once and multiplies by all vectors of the subspace, which costs what the matrix itself
-    costs; the last pass also gives the Rayleigh quotients.
+    Block Lanczos on :math:`K = A^{1/2} D A^{1/2}`: Rayleigh-Ritz over the span of :math:`V, K V, ..., K^{p-1} V` for p
+    passes. Each pass computes all rows of D once and multiplies them by a block of 4 k + 20 vectors, which costs hardly
+    more than computing them. V spans the leading left singular vectors of the columns of D at some landmarks. The
+    images :math:`K x_i` of the k Ritz vectors are known at the end, and one step closer than the vectors:
+    the result are the eigenpairs of :math:`\sum_i K x_i \gamma_i^{-1} (K x_i)^T`.
 
     Parameters
     ----------
@@ -45,17 +45,16 @@ def streamed_spectrum(
     metric : LiftedMetric, optional
         Default: `lifted_metric` of the surface, as it is.
     landmarks : int
-        Number of farthest points for the start, at most n; more than k + 12.
+        Number of farthest points for the start, at least k and at most n. Their rows are in memory, in float64.
     passes : int
-        Times that the distances are computed, at least 1. A pass shrinks the part of the subspace that is
-        wrong by the ratio of the eigenvalues beyond it to those inside.
+        Times that the distances are computed, at least 1.
     accuracy, workers, progress
         As in `DistanceOperator`.
 
     Returns
     -------
     Spectrum
-        Under area weights.
+        Under area weights. Its `residuals` say how exact the Ritz pairs were.
 
     Raises
     ------
@@ -66,7 +65,9 @@ def streamed_spectrum(
 
     References
     ----------
-    Halko, Martinsson, Tropp, "Finding structure with randomness", SIAM Review 53(2), 2011, algorithms 4.4 and 5.3.
+    Musco, Musco, "Randomized block Krylov methods for stronger and faster approximate singular value
+    decomposition", NeurIPS 2015. Halko, Martinsson, Tropp, "Finding structure with randomness", SIAM Review 53(2),
+    2011, sec. 5.5 (the last step, for matrices that are positive).
     """
     surface.require_connected("the spectrum of the distances")
     n = surface.n_vertices
@@ -74,19 +75,63 @@ def streamed_spectrum(
     check_areas(surface.vertex_areas)
     if not isinstance(passes, (int, np.integer)) or passes < 1:
         raise ValueError(f"passes must be a whole number, at least 1, got {passes!r}")
-    width = min(k + _MORE, n)
-    if not width < landmarks <= n:
-        raise ValueError(f"landmarks must be more than {width} and at most the {n} vertices, got {landmarks}")
+    if not k <= landmarks <= n:
+        raise ValueError(f"landmarks must be at least k, {k}, and at most the {n} vertices, got {landmarks}")
     if metric is None:
         metric = lifted_metric(surface)
-    start = landmark_spectrum(surface, width, metric, landmarks, accuracy=accuracy, progress=progress)
-    root = np.sqrt(surface.vertex_areas)[:, None]
     operator = DistanceOperator(surface, metric, accuracy=accuracy, workers=workers, progress=progress)
-    basis = root * start.eigenfunctions
-    for _ in range(passes - 1):
-        basis = qr(root * (operator @ (root * basis)), mode="economic")[0]
-    image = root * (operator @ (root * basis))
-    quotient = basis.T @ image
-    values, vectors = eigh((quotient + quotient.T) / 2)
+    root = np.sqrt(surface.vertex_areas)[:, None]
+    # Spread by the surface's own metric: the farthest points of a rough one are the tips of its spikes.
+    points = farthest_points(surface, landmarks)
+    rows = distances(surface, points, metric, accuracy=accuracy, workers=workers, progress=progress)
+    block = _leading_range(rows, surface.vertex_areas, min(4 * k + 20, landmarks))
+    del rows  # the largest array there is
+    basis = images = np.empty((n, 0))
+    for _ in range(passes):
+        if basis.shape[1] == n:
+            break  # nothing is left to find
+        block = _orthonormal_beside(basis, block)
+        basis = np.column_stack([basis, block])
+        block = root * (operator @ (root * block).astype(np.float32))
+        images = np.column_stack([images, block])
+    quotient = basis.T @ images
+    values, turn = eigh((quotient + quotient.T) / 2)
     largest = np.argsort(-np.abs(values), kind="stable")[:k]
-    return Spectrum.of(values[largest], basis @ vectors[:, largest] / root, surface.vertex_areas)
+    values, turn = values[largest], turn[:, largest]
+    images = images @ turn
+    residuals = np.linalg.norm(images - basis @ turn * values, axis=0) / np.abs(values)
+    values, vectors = _stepped(values, images)
+    return Spectrum.of(values, vectors / root, surface.vertex_areas, residuals)
+
+
+def _leading_range(rows: FloatArray, areas: FloatArray, width: int) -> FloatArray:
+    """Leading left singular vectors (n, width) of sampled columns of K, not normalised; overwrites the rows (m, n).
+
+    A column counts with the area of its landmark's Voronoi cell, so that C C^T is K^2 by quadrature. The columns
+    have the roughness of the metric at every vertex, which no interpolation from landmarks can give.
+    """
+    cells = np.bincount(rows.argmin(axis=0), areas, minlength=len(rows))
+    rows *= np.sqrt(cells)[:, None]
+    rows *= np.sqrt(areas)
+    turn = eigh(rows @ rows.T)[1]
+    return rows.T @ turn[:, : -width - 1 : -1]
+
+
+def _orthonormal_beside(basis: FloatArray, block: FloatArray) -> FloatArray:
+    """Orthonormal vectors, orthogonal to the basis (n, j), that span with it what it spans with the block.
+
+    At most n - j of them.
+    """
+    beside = block[:, : len(basis) - basis.shape[1]]
+    for _ in range(2):  # the first time leaves the rounding errors of what cancels
+        beside = np.linalg.qr(beside - basis @ (basis.T @ beside))[0]
+    return beside
+
+
+def _stepped(values: FloatArray, images: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Eigenpairs of the sum of y y^T / value over the columns y of images, by decreasing absolute value."""
+    basis, triangle = np.linalg.qr(images)
+    small = triangle @ (triangle / values).T
+    values, turn = eigh((small + small.T) / 2)
+    order = np.argsort(-np.abs(values), kind="stable")
+    return values[order], basis @ turn[:, order]
