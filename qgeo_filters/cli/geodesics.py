@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -23,7 +24,12 @@ from qgeo_filters.cli.options import (
     Weight,
 )
 
+if TYPE_CHECKING:
+    import numpy as np
+
 _LARGEST_MATRIX = 8 << 30  # bytes
+# Rows of a matrix that are looked at together.
+_ROWS = 1024
 
 
 def distances(
@@ -31,6 +37,15 @@ def distances(
     sources: Annotated[
         str, typer.Option("-s", "--sources", metavar="VERTICES", help="Measure from these only, as 0,17,42.")
     ] = "",
+    matrix: Annotated[
+        Path | None,
+        typer.Option(
+            "--matrix",
+            metavar="FILE.zarr",
+            help="Write all pairs there, a matrix of any size; the same command continues an interrupted one.",
+            show_default=False,
+        ),
+    ] = None,
     curvature_weight: Weight = 0.0,
     scalar: Scalar = "mean_curvature",
     smoothing: Smoothing = 0.0,
@@ -44,7 +59,8 @@ def distances(
 ) -> None:
     """Measure distances over the surface, between all pairs of vertices or from chosen ones.
 
-    result.npz: distances, (n, n) float32, or (s, n) float64 with sources (s,).
+    result.npz: distances, (n, n) float32, or (s, n) float64 with sources (s,). With --matrix the distances are there, a
+    Zarr array of float32, and result.npz has mean_distance (n,).
     """
     import numpy as np
 
@@ -58,6 +74,7 @@ def distances(
     chosen = _indices(sources)
     parameters = {
         "sources": chosen or "all",
+        "matrix": matrix,
         "curvature_weight": curvature_weight,
         "scalar": scalar,
         "smoothing": smoothing,
@@ -65,38 +82,33 @@ def distances(
         "accuracy": accuracy,
         "repair": repair,
     }
+    if chosen and matrix is not None:
+        raise ValueError("--matrix holds the distances between all pairs: leave out --sources, or --matrix")
     job = Job("distances", Settings(output, quiet, json, repair, pictures), parameters)
     surface = job.read(mesh)
     n = surface.n_vertices
     if chosen:
         checked_indices(chosen, n, "sources")
-    elif 4 * n * n > _LARGEST_MATRIX:
+    elif matrix is None and 4 * n * n > _LARGEST_MATRIX:
         raise ValueError(
-            f"all pairs of {n} vertices would take {4e-9 * n * n:.0f} GB; choose vertices with --sources, or write the "
-            "matrix to disk with qgeo_filters.distance_matrix(out=...)"
+            f"all pairs of {n} vertices would take {4e-9 * n * n:.0f} GB of memory; choose vertices with --sources, or "
+            "write the matrix to disk with --matrix FILE.zarr"
         )
     with job.stage("metric"):
         metric = lifted_metric(surface, scalar, curvature_weight, smoothing=smoothing)
-    field: np.ndarray
+    field: Any  # an array, or one on disk
     with job.stage("distances"):
         if chosen:
             field = distances_from(surface, chosen, metric, method, accuracy=accuracy, progress=job.progress)
         else:
-            field = distance_matrix(surface, metric, method, accuracy=accuracy, progress=job.progress)
-    reached = np.isfinite(field)
-    results = {
-        "shape": list(field.shape),
-        "mean": float(field[reached].mean(dtype=np.float64)),
-        "max": float(field[reached].max()),
-        "unreachable_pairs": int((~reached).sum()),
-    }
+            field = distance_matrix(surface, metric, method, accuracy=accuracy, out=matrix, progress=job.progress)
+    results, centrality = _measured(field)
+    arrays = {"distances": field} if matrix is None else {"mean_distance": centrality}
     if chosen:
         attributes = {"qgeo_distance": field[0] if len(chosen) == 1 else field.T}
-        arrays = {"distances": field, "sources": np.array(chosen)}
+        arrays["sources"] = np.array(chosen)
     else:
-        centrality = np.where(reached, field, 0).sum(axis=1, dtype=np.float64) / np.maximum(reached.sum(axis=1), 1)
         attributes = {"qgeo_mean_distance": centrality}
-        arrays = {"distances": field}
     job.save(results, arrays, surface.with_attributes(attributes))
     for index, vertex in enumerate(chosen[:6]):
         job.picture(
@@ -104,19 +116,43 @@ def distances(
             f"Distance from vertex {vertex} (red), with lines of equal distance.",
             partial(plot_distance_field, surface, field[index], vertex),
         )
-    if not chosen:
+    if not chosen and matrix is None:
         job.picture(
             "distance_matrix",
             "The matrix of all distances (paper, Fig. 1), its rows in an order in which neighbours on the surface stay "
             "together; the strip's colours say where on the surface a row is.",
             lambda: plot_distance_matrix(field, surface),
         )
+    if not chosen:
         job.picture(
             "mean_distance",
             "Mean distance of each vertex to all others: small in the middle of the shape, large at its ends.",
-            lambda: plot_scalar(surface, attributes["qgeo_mean_distance"], "mean distance (mesh units)"),
+            lambda: plot_scalar(surface, centrality, "mean distance (mesh units)"),
         )
     job.finish()
+
+
+def _measured(field: Any) -> tuple[dict[str, Any], np.ndarray]:
+    """Numbers for result.json, and the mean distance in each row, over what can be reached."""
+    import numpy as np
+
+    count = field.shape[0]  # an array on disk has no len
+    total, reached = np.empty(count), np.empty(count, dtype=np.int64)
+    largest = 0.0
+    for first in range(0, count, _ROWS):
+        rows = np.asarray(field[first : first + _ROWS])
+        finite = np.isfinite(rows)
+        part = slice(first, first + len(rows))
+        total[part] = rows.sum(axis=1, dtype=np.float64, where=finite)
+        reached[part] = finite.sum(axis=1)
+        largest = max(largest, float(rows.max(initial=0.0, where=finite)))
+    results = {
+        "shape": list(field.shape),
+        "mean": float(total.sum() / reached.sum()),
+        "max": largest,
+        "unreachable_pairs": int(np.prod(field.shape) - reached.sum()),
+    }
+    return results, total / np.maximum(reached, 1)
 
 
 def _indices(text: str) -> list[int]:

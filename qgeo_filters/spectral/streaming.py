@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import numpy.typing as npt
 from scipy.linalg import eigh
@@ -69,6 +71,24 @@ def streamed_spectrum(
     decomposition", NeurIPS 2015. Halko, Martinsson, Tropp, "Finding structure with randomness", SIAM Review 53(2),
     2011, sec. 5.5 (the last step, for matrices that are positive).
     """
+    *_, spectrum = spectrum_by_pass(
+        surface, k, metric, landmarks=landmarks, passes=passes, accuracy=accuracy, workers=workers, progress=progress
+    )
+    return spectrum
+
+
+def spectrum_by_pass(
+    surface: Surface,
+    k: int,
+    metric: LiftedMetric | None = None,
+    *,
+    landmarks: int = 1000,
+    passes: int = 2,
+    accuracy: float = 1e-3,
+    workers: int | None = None,
+    progress: bool = False,
+) -> Iterator[Spectrum]:
+    """What `streamed_spectrum` knows after each pass: stop when the residuals are small enough."""
     surface.require_connected("the spectrum of the distances")
     n = surface.n_vertices
     check_count(k, n)
@@ -88,20 +108,33 @@ def streamed_spectrum(
     del rows  # the largest array there is
     basis = images = np.empty((n, 0))
     for _ in range(passes):
-        if basis.shape[1] == n:
-            break  # nothing is left to find
         block = _orthonormal_beside(basis, block)
         basis = np.column_stack([basis, block])
         block = root * (operator @ (root * block).astype(np.float32))
         images = np.column_stack([images, block])
+        values, vectors, residuals = _eigenpairs(basis, images, k)
+        yield Spectrum.of(values, vectors / root, surface.vertex_areas, residuals)
+        if basis.shape[1] == n:
+            return  # nothing is left to find
+
+
+def _eigenpairs(basis: FloatArray, images: FloatArray, k: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Eigenvalues, orthonormal eigenvectors and residuals of the k leading Ritz pairs, taken one step on.
+
+    The sum of y y^T / value over the images y of the Ritz vectors has the eigenvectors that the next multiplication
+    would give.
+    """
     quotient = basis.T @ images
     values, turn = eigh((quotient + quotient.T) / 2)
     largest = np.argsort(-np.abs(values), kind="stable")[:k]
     values, turn = values[largest], turn[:, largest]
-    images = images @ turn
-    residuals = np.linalg.norm(images - basis @ turn * values, axis=0) / np.abs(values)
-    values, vectors = _stepped(values, images)
-    return Spectrum.of(values, vectors / root, surface.vertex_areas, residuals)
+    stepped = images @ turn
+    residuals = np.linalg.norm(stepped - basis @ turn * values, axis=0) / np.abs(values)
+    basis, triangle = np.linalg.qr(stepped)
+    small = triangle @ (triangle / values).T
+    values, turn = eigh((small + small.T) / 2)
+    order = np.argsort(-np.abs(values), kind="stable")
+    return values[order], basis @ turn[:, order], residuals
 
 
 def _leading_range(rows: FloatArray, areas: FloatArray, width: int) -> FloatArray:
@@ -126,12 +159,3 @@ def _orthonormal_beside(basis: FloatArray, block: FloatArray) -> FloatArray:
     for _ in range(2):  # the first time leaves the rounding errors of what cancels
         beside = np.linalg.qr(beside - basis @ (basis.T @ beside))[0]
     return beside
-
-
-def _stepped(values: FloatArray, images: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Eigenpairs of the sum of y y^T / value over the columns y of images, by decreasing absolute value."""
-    basis, triangle = np.linalg.qr(images)
-    small = triangle @ (triangle / values).T
-    values, turn = eigh((small + small.T) / 2)
-    order = np.argsort(-np.abs(values), kind="stable")
-    return values[order], basis @ turn[:, order]

@@ -72,6 +72,61 @@ def test_distances_from_sources_in_a_lifted_metric(qgeo: Qgeo, loaded: Loaded) -
     assert {"distance_3.png", "distance_7.png"} <= set(content["files"])
 
 
+def test_distances_on_disk(qgeo: Qgeo, loaded: Loaded, monkeypatch: pytest.MonkeyPatch) -> None:
+    zarr = pytest.importorskip("zarr")
+    monkeypatch.setattr("qgeo_filters.cli.geodesics._LARGEST_MATRIX", 1000)
+    monkeypatch.setattr("qgeo_filters.cli.geodesics._ROWS", 50)
+    command = ("distances", "blob.off", "--matrix", "d.zarr", "-w", 0.1)
+    assert qgeo(*command).exit_code == 0
+    content, arrays = loaded(Path("qgeo-out"))
+    surface = qg.Surface.read("blob.off")
+    expected = qg.distance_matrix(surface, qg.lifted_metric(surface, weight=0.1))
+    np.testing.assert_array_equal(zarr.open_array("d.zarr", mode="r")[:], expected)
+    assert content["parameters"]["matrix"] == "d.zarr"
+    assert content["results"]["max"] == expected.max()
+    assert content["results"]["mean"] == pytest.approx(expected.mean(dtype=np.float64))
+    assert "distances" not in arrays
+    np.testing.assert_allclose(arrays["mean_distance"], expected.mean(axis=1, dtype=np.float64))
+    np.testing.assert_array_equal(
+        qg.Surface.read("qgeo-out/blob.ply").attributes["qgeo_mean_distance"], arrays["mean_distance"]
+    )
+
+
+def test_distances_on_disk_continue_where_they_were_interrupted(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
+    zarr = pytest.importorskip("zarr")
+    from qgeo_filters.geodesics import storage
+
+    written: list[str] = []
+    whole = storage._write_chunk
+
+    def interrupted(path: Path, row: np.ndarray) -> None:
+        written.append(path.parent.name)
+        if len(written) == 140:  # of 162, in groups of 64
+            raise KeyboardInterrupt
+        whole(path, row)
+
+    def noted(path: Path, row: np.ndarray) -> None:
+        written.append(path.parent.name)
+        whole(path, row)
+
+    command = ("distances", "sphere.ply", "--matrix", "d.zarr", "--no-pictures")
+    monkeypatch.setattr("qgeo_filters.geodesics.matrix.worker_count", lambda _: 1)
+    monkeypatch.setattr(storage, "_write_chunk", interrupted)
+    assert qgeo(*command).exit_code == 130
+    assert not Path("qgeo-out").exists()
+    first = written.copy()
+    written.clear()
+    monkeypatch.setattr(storage, "_write_chunk", noted)
+    assert qgeo(*command).exit_code == 0
+    assert len(written) == 162 - 2 * 64
+    assert set(first) | set(written) == set(map(str, range(162)))
+    expected = qg.distance_matrix(qg.Surface.read("sphere.ply"))
+    np.testing.assert_array_equal(zarr.open_array("d.zarr", mode="r")[:], expected)
+    written.clear()
+    assert qgeo(*command).exit_code == 0
+    assert written == []
+
+
 def test_distances_between_pieces_are_counted_and_legible_json(qgeo: Qgeo, loaded: Loaded) -> None:
     sphere = qg.Surface.read("sphere.ply")
     vertices = np.concatenate([sphere.vertices, sphere.vertices + 5])

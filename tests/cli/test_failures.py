@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -31,6 +32,12 @@ BAD = [
     (["distances", "sphere.ply", "-s", "0,x"], "got '0,x'"),
     (["distances", "sphere.ply", "--method", "magic"], "magic"),
     (["distances", "sphere.ply", "--accuracy", "0"], "accuracy"),
+    (["distances", "sphere.ply", "-s", "1", "--matrix", "d.zarr"], "leave out --sources"),
+    (["distances", "sphere.ply", "--matrix", "d.zarr", "--method", "exact"], "graph method only"),
+    (["distances", "sphere.ply", "--matrix", "blob.off"], "blob.off is there and is not a Zarr array"),
+    (["distances", "sphere.ply", "--matrix", "."], "is there and is not a Zarr array"),
+    (["distances", "sphere.ply", "--matrix", "nowhere/d.zarr"], "nowhere is not a folder"),
+    (["distances", "fan.off", "--matrix", "d.zarr"], "--repair splits or removes them"),
     (["distances", "sphere.ply", "--scalar", "nonsense", "-w", "1"], "unknown scalar 'nonsense'"),
     (["spectrum", "sphere.ply", "-k", "0"], "k must be between 1 and the number of vertices, 162, got 0"),
     (["spectrum", "sphere.ply", "-k", "163"], "got 163"),
@@ -67,6 +74,29 @@ def test_bad_input(qgeo: Qgeo, command: list[str], expected: str) -> None:
     assert result.stderr.count("\n") == 1
     assert expected in result.stderr
     assert not Path("qgeo-out").exists()
+    assert not Path("d.zarr").exists()
+
+
+def test_a_matrix_on_disk_that_is_not_this_one(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("zarr")
+    from qgeo_filters.geodesics import storage
+
+    assert qgeo("distances", "sphere.ply", "--matrix", "d.zarr", "-o", "first", "--no-pictures").exit_code == 0
+
+    def refused(*command: object) -> str:
+        result = qgeo("distances", *command, "--matrix", "d.zarr")
+        assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+        assert not Path("qgeo-out").exists()
+        return result.stderr
+
+    assert "float32 array of shape (162, 162), not float32 (49, 49); choose another path" in refused("square.obj")
+    assert "another mesh, metric or accuracy; choose another path, or delete it" in refused("blob.off")
+    assert "another mesh, metric or accuracy" in refused("sphere.ply", "--accuracy", 1e-2)
+    assert "another mesh, metric or accuracy" in refused("sphere.ply", "-w", 0.1, "--scalar", "differential_norm")
+    Path("d.zarr").rename("other.zarr")
+    read_only = SimpleNamespace(W_OK=os.W_OK, X_OK=os.X_OK, access=lambda *_: False)  # root may write anywhere
+    monkeypatch.setattr(storage, "os", read_only)
+    assert "read-only" in refused("sphere.ply")
 
 
 def test_a_bad_mesh_among_several_is_met_before_any_is_computed(qgeo: Qgeo) -> None:
@@ -91,6 +121,7 @@ def test_too_large_a_matrix_is_refused_before_it_is_tried(qgeo: Qgeo, monkeypatc
     result = qgeo("distances", "sphere.ply")
     assert result.exit_code == 2
     assert "--sources" in result.stderr
+    assert "--matrix FILE.zarr" in result.stderr
 
 
 def test_debug_shows_the_traceback(qgeo: Qgeo) -> None:
