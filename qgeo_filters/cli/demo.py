@@ -40,7 +40,6 @@ def demo(output: Output = DEFAULT_OUTPUT, json: Json = False, quiet: Quiet = Fal
     from qgeo_filters.evaluation.errors import geodesic_error
     from qgeo_filters.filters import stages
     from qgeo_filters.geodesics.metric import cartesian_metric
-    from qgeo_filters.matching.symmetry import self_symmetry
     from qgeo_filters.report import figures
     from qgeo_filters.report.html import Table
     from qgeo_filters.report.view import best_view
@@ -56,11 +55,12 @@ def demo(output: Output = DEFAULT_OUTPUT, json: Json = False, quiet: Quiet = Fal
         matrix = stages.matrix_of(descriptor.metric_, descriptor.method, descriptor.accuracy)
         with job.stage("distances of weight 0"):
             plain = stages.matrix_of(cartesian_metric(surface), "graph", 1e-3, job.progress)
+        with job.stage("symmetry"):
+            found = stages.symmetry_of(surface, job.progress)
     with job.stage("exact distances (libigl)"):
         errors = errors_against_exact(surface, plain)
     spectrum = descriptor.spectrum_
-    with job.stage("symmetry"):
-        found = self_symmetry(surface, progress=job.progress)
+    with job.stage("symmetry measure"):
         measure, symmetric = symmetry_measure(spectrum, matrix, DEFAULT_K0)
         measure = {**symmetry_results(found, spectrum, DEFAULT_K0), **measure}
         symmetric |= symmetry_arrays(found)

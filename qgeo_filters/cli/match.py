@@ -48,12 +48,14 @@ def match(
     from qgeo_filters.cli.job import Job
     from qgeo_filters.evaluation.errors import geodesic_error
     from qgeo_filters.matching.correspondence import match as correspondence_of
-    from qgeo_filters.matching.descriptor import Descriptor
+    from qgeo_filters.matching.descriptor import Descriptor, check_same_size
 
     parameters = {"normalize": normalize, "truth": None if truth is None else str(truth), "repair": repair}
     job = Job("match", Settings(output, quiet, json, repair, pictures), parameters)
     shapes = job.read(x), job.read(y)
     target = None if truth is None else read_truth(truth, shapes[0].n_vertices, shapes[1].n_vertices)
+    if not normalize:
+        check_same_size(*shapes)
     a, b = (Descriptor(shape, progress=job.progress) for shape in shapes)
     for name, descriptor in zip(("X", "Y"), (a, b), strict=True):
         with job.stage(f"spectra of {name}"):

@@ -74,8 +74,7 @@ def symmetry(
     from qgeo_filters.caching import cache
     from qgeo_filters.cli.job import Job
     from qgeo_filters.filters import stages
-    from qgeo_filters.matching.descriptor import Descriptor
-    from qgeo_filters.matching.symmetry import self_symmetry
+    from qgeo_filters.matching.descriptor import check_matchable
 
     parameters = {
         "map": explicit,
@@ -92,18 +91,20 @@ def symmetry(
     }
     job = Job("symmetry", Settings(output, quiet, json, repair, pictures), parameters)
     surface = job.read(mesh)
-    descriptor = Descriptor(surface, progress=job.progress) if explicit else None  # refuses at once what has no map
+    if explicit:
+        check_matchable(surface)
+    found = None
     with cache.held():
         with job.stage("spectrum"):
             metric = stages.metric_of(surface, scalar, curvature_weight, smoothing)
             spectrum = stages.spectrum_of(metric, k0, "area", None, method, accuracy, job.progress)
         matrix = stages.matrix_of(metric, method, accuracy)
-    found = None
+        if explicit:
+            with job.stage("map"):
+                found = stages.symmetry_of(surface, job.progress)
     with job.stage("measure"):
         results, arrays = symmetry_measure(spectrum, matrix, k0, regions, epsilon, reading)
-    if descriptor is not None:
-        with job.stage("map"):
-            found = self_symmetry(descriptor)
+    if found is not None:
         results = {**symmetry_results(found, spectrum, k0, reading), **results}
         arrays |= symmetry_arrays(found)
     described = surface.with_attributes(symmetry_attributes(arrays, found))

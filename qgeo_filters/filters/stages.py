@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -12,7 +13,7 @@ from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import LiftedMetric
 from qgeo_filters.matching.correspondence import Correspondence, match
-from qgeo_filters.matching.descriptor import Descriptor
+from qgeo_filters.matching.descriptor import Descriptor, check_same_size
 from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
 from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum
 from qgeo_filters.surface import Surface
@@ -67,9 +68,10 @@ def spectrum_of(
 
 
 def descriptor_of(surface: Surface, progress: bool = False) -> Descriptor:
-    """The surface prepared for matching, see `Descriptor`."""
+    """The surface prepared for matching, see `Descriptor`; it shares its distances with the other stages."""
     key = content_key("descriptor", surface.vertices, surface.faces)
-    return cache.get(key, lambda: Descriptor(surface, progress=progress).prepared())
+    matrix = partial(matrix_of, method="graph", accuracy=1e-3, progress=progress)
+    return cache.get(key, lambda: Descriptor(surface, matrix=matrix).prepared())
 
 
 def symmetry_of(surface: Surface, progress: bool = False) -> Symmetry:
@@ -80,5 +82,7 @@ def symmetry_of(surface: Surface, progress: bool = False) -> Symmetry:
 
 def correspondence_of(x: Surface, y: Surface, normalize: bool, progress: bool = False) -> Correspondence:
     """Correspondence of two surfaces, see `match`."""
+    if not normalize:
+        check_same_size(x, y)  # before descriptors are made
     key = content_key("correspondence", x.vertices, x.faces, y.vertices, y.faces, normalize)
     return cache.get(key, lambda: match(descriptor_of(x, progress), descriptor_of(y, progress), normalize=normalize))

@@ -8,9 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from tqdm.auto import tqdm
 
-from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.matching.candidates import Candidate, Contender, candidate, candidates, contenders
-from qgeo_filters.matching.descriptor import Descriptor
+from qgeo_filters.matching.descriptor import Descriptor, check_same_size
 from qgeo_filters.matching.finish import Finished, finished
 from qgeo_filters.matching.orientation import orientation
 from qgeo_filters.matching.refine import functional_map
@@ -122,11 +121,8 @@ def match(
     order that a solver returns, nor on position and size.
     """
     a, b = Descriptor.of(x, progress), Descriptor.of(y, progress)
-    if not normalize and abs(a.scale / b.scale - 1) > 0.05:
-        raise ValueError(
-            f"the areas are {a.scale**2:.6g} and {b.scale**2:.6g}: shapes of different size are compared with "
-            "normalize=True"
-        )
+    if not normalize:
+        check_same_size(a.surface, b.surface)
     with tqdm(total=5, desc="describe X", disable=not progress) as bar:
         a.prepared()
         _next(bar, "describe Y")
@@ -170,7 +166,7 @@ def _described(
 ) -> Correspondence:
     p2p = result.p2p
     probes = x.samples[:_PROBES]
-    there = distances(y.unit, p2p[probes])
+    there = y.distances(p2p[probes])
     distortion = np.abs(x.rows[: len(probes)] - there[:, p2p]).mean(axis=0, dtype=np.float64)
     score = float(x.areas @ distortion)
     turned = orientation(x.unit, y.unit, p2p)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from qgeo_filters.errors import MeshError
 from qgeo_filters.geodesics.lifting import lifted_metric
-from qgeo_filters.geodesics.matrix import distance_matrix
+from qgeo_filters.geodesics.matrix import distance_matrix, distances
+from qgeo_filters.geodesics.metric import LiftedMetric
 from qgeo_filters.matching.rigidity import Rigidity
 from qgeo_filters.spectral.distance_spectrum import Spectrum, check_areas, spectrum_of_matrix
 from qgeo_filters.spectral.laplacian import laplacian_spectrum
@@ -29,11 +30,15 @@ MINIMUM_VERTICES = 60
 # Eigenfunctions of the distances and of the Laplacian, and farthest points.
 _DISTANCE_FUNCTIONS = 100
 _LAPLACIAN_FUNCTIONS = 200
+# Residual of the last of them, as a fraction of the eigenvalue; the first 20 come out as exact as float32 distances.
+_TOLERANCE = 1e-3
 # The paper's k0.
 _PAPER_FUNCTIONS = 20
 _SAMPLES = 2000
 # Farthest points whose distances to all vertices are kept.
 _ROWS = 800
+# Ratio of areas up to which shapes count as of one size.
+_SAME_AREA = 1.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +74,9 @@ class Descriptor:
         Manifold, in one piece, oriented.
     weights : sequence of float
         Weights of mean curvature in the metrics that propose maps.
+    matrix : callable, optional
+        Takes a `LiftedMetric` of the surface, returns the distances between all vertices, shape (n, n), in the unit of
+        the surface: for callers who have them or want to keep them. `distance_matrix` by default.
     progress : bool
         Whether to show a progress bar over the distances.
 
@@ -80,10 +88,18 @@ class Descriptor:
 
     Notes
     -----
-    Memory is O(800 n): the matrix of all distances is dropped once it has been used.
+    Memory is O(800 n): the matrix of all distances is dropped once it has been used. Distances are measured on the
+    surface as it is, and what is derived from them is brought to unit area.
     """
 
-    def __init__(self, surface: Surface, *, weights: Sequence[float] = METRIC_WEIGHTS, progress: bool = False) -> None:
+    def __init__(
+        self,
+        surface: Surface,
+        *,
+        weights: Sequence[float] = METRIC_WEIGHTS,
+        matrix: Callable[[LiftedMetric], npt.NDArray[np.float32]] | None = None,
+        progress: bool = False,
+    ) -> None:
         check_matchable(surface)
         if not weights:
             raise ValueError("at least one metric must propose maps: weights is empty")
@@ -92,6 +108,7 @@ class Descriptor:
         self.scale = float(np.sqrt(surface.area))
         centre = surface.vertex_areas @ surface.vertices / surface.area
         self.unit = Surface((surface.vertices - centre) / self.scale, surface.faces)
+        self._matrix = matrix
         self._progress = progress
 
     def __repr__(self) -> str:
@@ -122,6 +139,15 @@ class Descriptor:
     def normals(self) -> FloatArray:
         """Angle-weighted unit normals, (n, 3)."""
         return self.unit.vertex_normals
+
+    @cached_property
+    def metric(self) -> LiftedMetric:
+        """The first metric, on the surface in its own unit."""
+        return lifted_metric(self.surface, weight=self.weights[0])
+
+    def distances(self, sources: npt.ArrayLike) -> FloatArray:
+        """Distances from some vertices to all in the first metric, (s, n)."""
+        return distances(self.metric.surface, sources, self.metric) / self.scale
 
     @cached_property
     def views(self) -> tuple[MetricView, ...]:
@@ -169,16 +195,19 @@ class Descriptor:
         flip = np.array([-1.0, 1.0, 1.0])
         other.surface = Surface(self.surface.vertices * flip, self.surface.faces[:, ::-1])
         other.unit = Surface(self.unit.vertices * flip, self.unit.faces[:, ::-1])
-        for name in ("views", "samples", "rows", "laplacian", "areas"):
+        for name in ("metric", "views", "samples", "rows", "laplacian", "areas"):
             other.__dict__[name] = getattr(self, name)
         other._samples = self._samples
         return other
 
     def _view(self, weight: float) -> MetricView:
-        metric = lifted_metric(self.unit, weight=weight)
-        matrix = distance_matrix(self.unit, metric, progress=self._progress)
+        metric = self.metric if weight == self.weights[0] else lifted_metric(self.surface, weight=weight)
+        if self._matrix is None:
+            matrix = distance_matrix(self.surface, metric, progress=self._progress)
+        else:
+            matrix = self._matrix(metric)
         k = min(_DISTANCE_FUNCTIONS, self.n_vertices // 3)
-        spectrum = spectrum_of_matrix(matrix, self.areas, k)
+        spectrum = self._in_unit_area(spectrum_of_matrix(matrix, self.surface.vertex_areas, k, tolerance=_TOLERANCE))
         if "_samples" not in self.__dict__:
             self._samples = farthest_rows(matrix, self.areas, min(_SAMPLES, self.n_vertices))
         return MetricView(
@@ -186,7 +215,16 @@ class Descriptor:
             spectrum.eigenvalues,
             frozen(spectrum.eigenfunctions.astype(np.float32)),
             spectrum.truncated(min(_PAPER_FUNCTIONS, k)),
-            frozen(matrix[self._samples[:_ROWS]]),
+            frozen(matrix[self._samples[:_ROWS]] / np.float32(self.scale)),
+        )
+
+    def _in_unit_area(self, spectrum: Spectrum) -> Spectrum:
+        # The kernel is a length, the measure an area.
+        return replace(
+            spectrum,
+            eigenvalues=frozen(spectrum.eigenvalues / self.scale**3),
+            eigenfunctions=frozen(spectrum.eigenfunctions * self.scale),
+            areas=self.areas,
         )
 
 
@@ -205,6 +243,14 @@ def check_matchable(surface: Surface) -> None:
     check_areas(surface.vertex_areas)
     if surface.n_vertices < MINIMUM_VERTICES:
         raise MeshError(f"matching needs at least {MINIMUM_VERTICES} vertices, got {surface.n_vertices}")
+
+
+def check_same_size(x: Surface, y: Surface) -> None:
+    """Raise `ValueError` for shapes whose areas differ by more than a tenth."""
+    if not 1 / _SAME_AREA <= x.area / y.area <= _SAME_AREA:
+        raise ValueError(
+            f"the areas are {x.area:.6g} and {y.area:.6g}: shapes of different size are compared with normalize=True"
+        )
 
 
 def farthest_rows(matrix: npt.NDArray[np.float32], areas: FloatArray, count: int) -> IndexArray:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.matching.candidates import candidates, contenders, difference
 from qgeo_filters.matching.descriptor import Descriptor
 from qgeo_filters.matching.finish import Finished, finished
@@ -166,7 +165,7 @@ def _described(x: Descriptor, result: Finished) -> Symmetry:
     side = _sides(x, p2p)
     v = x.unit.vertices
     probes = x.samples[:_PROBES]
-    there = distances(x.unit, p2p[probes])
+    there = x.distances(p2p[probes])
     asymmetry = np.abs(x.rows[: len(probes)] - there[:, p2p]).mean(axis=0, dtype=np.float64)
     distortion = float(x.areas @ asymmetry)
     return Symmetry(
