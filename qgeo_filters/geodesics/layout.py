@@ -1,4 +1,4 @@
-"""Triangles laid out in the plane from their side lengths: what unfolding needs, computed once."""
+"""The unfolded triangles as the graph's kernel reads them: short flat arrays, of which it needs few at a time."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.geodesics.metric import IntrinsicMesh
+from qgeo_filters.geodesics.unfolding import apexes, corners_around
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
@@ -30,28 +31,15 @@ class Layout(NamedTuple):
 
 
 def layout_of(mesh: IntrinsicMesh) -> Layout:
-    """Planar layout of every triangle from each of its sides.
-
-    Needles and triangles that are flat within rounding are safe: the height comes from Kahan's
-    form of Heron's formula and is clamped at zero.
-    """
-    lengths = mesh.lengths
-    sides = np.sort(lengths, axis=1)
-    c, b, a = sides.T
-    double_area = 0.5 * np.sqrt(np.maximum((a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c)), 0.0))
-    following, previous = np.roll(lengths, -1, axis=1), np.roll(lengths, -2, axis=1)
-    safe = np.where(lengths > 0, lengths, 1.0)
-    apex_x = np.where(lengths > 0, 0.5 * (lengths + (previous - following) * ((previous + following) / safe)), 0.0)
-    apex_y = np.where(lengths > 0, double_area[:, None] / safe, previous)
-    start = np.ascontiguousarray(mesh.faces, dtype=np.int32).ravel()
-    order = np.argsort(start, kind="stable").astype(np.int32)
-    corner_start = np.searchsorted(start[order], np.arange(mesh.n_vertices + 1)).astype(np.int32)
+    """Planar layout of every triangle from each of its sides."""
+    apex = apexes(mesh.lengths)
+    corner_start, corners = corners_around(mesh)
     return Layout(
-        start,
-        np.ascontiguousarray(lengths, dtype=np.float64).ravel(),
-        apex_x.ravel(),
-        apex_y.ravel(),
+        np.ascontiguousarray(mesh.faces, dtype=np.int32).ravel(),
+        np.ascontiguousarray(mesh.lengths, dtype=np.float64).ravel(),
+        apex[..., 0].ravel(),
+        apex[..., 2].ravel(),
         np.ascontiguousarray(mesh.twins, dtype=np.int32).ravel(),
-        corner_start,
-        order,
+        corner_start.astype(np.int32),
+        corners.astype(np.int32),
     )

@@ -18,7 +18,6 @@ IndexArray = npt.NDArray[np.int64]
 ANGLE_SLACK = 1e-6
 SHORT = 1e-8
 
-
 SIDE = np.dtype(
     [
         ("length", "f8"),
@@ -100,6 +99,12 @@ def boundary_mask(mesh: IntrinsicMesh) -> npt.NDArray[np.bool_]:
     return on_boundary
 
 
+def corners_around(mesh: IntrinsicMesh) -> tuple[IndexArray, IndexArray]:
+    """Corners ``3 f + k`` by vertex, shape (3 m,), and where those of each vertex start, shape (n + 1,)."""
+    counts = np.bincount(mesh.faces.ravel(), minlength=mesh.n_vertices)
+    return np.concatenate([[0], np.cumsum(counts)]), np.argsort(mesh.faces.ravel(), kind="stable")
+
+
 def unfolded(mesh: IntrinsicMesh) -> UnfoldedMesh:
     """The mesh with every triangle laid flat beside each of its sides."""
     faces, lengths = mesh.faces, mesh.lengths
@@ -115,6 +120,4 @@ def unfolded(mesh: IntrinsicMesh) -> UnfoldedMesh:
     collapsed = lengths <= SHORT * lengths.max(axis=1, keepdims=True)
     bends[faces[collapsed]] = True
     bends[np.roll(faces, -1, axis=1)[collapsed]] = True
-    corners = np.argsort(sides["tail"], kind="stable")
-    start = np.concatenate([[0], np.cumsum(np.bincount(sides["tail"], minlength=mesh.n_vertices))])
-    return UnfoldedMesh(sides, angles, boundary, bends, start, corners)
+    return UnfoldedMesh(sides, angles, boundary, bends, *corners_around(mesh))
