@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import time
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -13,7 +13,13 @@ from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Qui
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from qgeo_filters.evaluation import Dataset, PairResult
+    from qgeo_filters.cli.job import Job
+    from qgeo_filters.evaluation import Dataset, PairResult, Row
+    from qgeo_filters.evaluation.measure import PairFailure
+    from qgeo_filters.report.html import Table
+
+# Pairs in the table of the worst.
+_WORST = 10
 
 
 def evaluate(
@@ -40,15 +46,17 @@ def evaluate(
     """Measure the error of matches, or of symmetry maps, against the truth, as a table by category.
 
     Errors are direct (Princeton protocol), in units of sqrt(area); seconds are CPU time without what belongs to one
-    shape alone. The table is also in table.md. result.npz: errors of all points, pair (which pair each belongs to).
+    shape alone. Each pair is kept in DIR/pairs once it is finished: the same command goes on where it was interrupted.
+    A pair that cannot be measured is named, and the rest goes on; the exit code is then 1.
+
+    The table is also in table.md. result.npz: errors of all points, pair (which pair each belongs to).
     """
     import numpy as np
 
     from qgeo_filters.cli.job import Job
     from qgeo_filters.evaluation import markdown, rows_by_category
-    from qgeo_filters.evaluation.errors import THRESHOLDS
+    from qgeo_filters.evaluation.measure import PairFailure, PairStore, measured
     from qgeo_filters.report.curves import plot_error_curve
-    from qgeo_filters.report.html import Table
 
     if pairs is not None and pairs < 1:
         raise ValueError(f"--pairs must be at least 1, got {pairs}")
@@ -58,19 +66,29 @@ def evaluate(
     )
     job.subject = f"{what} on {dataset}"
     data = _dataset(dataset, root)
+    store = PairStore(job.folder / "pairs")
     found: list[PairResult] = []
+    failures: list[PairFailure] = []
     for name in _categories(data, category):
-        chosen = _chosen(
-            list(data.pairs(name)) if what == "match" else [(one, one) for one in data.names(name)], pairs, seed
-        )
+        every = list(data.pairs(name)) if what == "match" else [(one, one) for one in data.names(name)]
         with job.stage(name):
-            found += _symmetries(data, [one for one, _ in chosen]) if what == "symmetry" else _matches(data, chosen)
+            for outcome in measured(data, _chosen(every, pairs, seed), what, store):
+                if isinstance(outcome, PairFailure):
+                    failures.append(outcome)
+                    typer.echo(f"qgeo: {outcome.name}: {outcome.reason}", err=True)
+                else:
+                    found.append(outcome)
+                    if job.progress:
+                        typer.echo(f"  {outcome.name}: mean error {outcome.errors.direct.mean():.4f}", err=True)
     if not found:
-        raise ValueError(f"{root}: no two shapes of one category")
+        raise failures[0].error if failures else ValueError(f"{root}: no two shapes of one category")
+    if store.reused and not quiet:
+        typer.echo(f"{store.reused} of {len(found)} results are those of an earlier run, in {store.folder}", err=True)
     rows = rows_by_category(found)
     direct = [result.errors.direct for result in found]
     results = {
         "pairs": len(found),
+        "not_measured": len(failures),
         "mean_error": rows[-1].direct.mean,
         "failed": rows[-1].failed,
         "mirrored": rows[-1].mirrored if what == "match" else None,
@@ -83,6 +101,7 @@ def evaluate(
             }
             for one in found
         ],
+        "reasons": [{"name": one.name, "reason": one.reason} for one in failures],
     }
     owner = np.repeat(np.arange(len(found)), [len(errors) for errors in direct])
     job.save(results, {"errors": np.concatenate(direct), "pair": owner})
@@ -92,6 +111,20 @@ def evaluate(
         "Share of all points within an error.",
         lambda: plot_error_curve(np.concatenate(direct), label=what),
     )
+    _draw_worst(job, data, max(found, key=lambda one: float(one.errors.direct.mean())), what)
+    job.finish(_tables(rows, found, failures, what))
+    if failures:
+        raise typer.Exit(1)
+
+
+def _tables(rows: list[Row], found: list[PairResult], failures: list[PairFailure], what: str) -> list[Table]:
+    """Errors by category, those of the worst pairs, and what could not be measured."""
+    from qgeo_filters.evaluation.errors import THRESHOLDS
+    from qgeo_filters.report.html import Table
+
+    number = "pairs" if what == "match" else "shapes"
+    within = [f"within {threshold:g} (%)" for threshold in THRESHOLDS]
+    columns = ("category", number, "mean", "median", *within, "mirrored (%)", "failed", "CPU s")
     lines = [
         (
             row.label,
@@ -105,10 +138,41 @@ def evaluate(
         )
         for row in rows
     ]
-    within = [f"within {threshold:g} (%)" for threshold in THRESHOLDS]
-    number = "pairs" if what == "match" else "shapes"
-    columns = ("category", number, "mean", "median", *within, "mirrored (%)", "failed", "CPU s")
-    job.finish([Table("Errors in units of sqrt(area)", lines, columns, "Failed: a mean above 0.1.")])
+    tables = [Table("Errors in units of sqrt(area)", lines, columns, "Failed: a mean above 0.1.")]
+    worst = sorted(found, key=lambda one: -float(one.errors.direct.mean()))[:_WORST]
+    sure = "confident" if what == "match" else "found"
+    tables.append(
+        Table(
+            f"The worst {number}",
+            [
+                (one.name, float(one.errors.direct.mean()), float(one.errors.direct.max()), one.confident)
+                for one in worst
+            ],
+            (number[:-1], "mean", "largest", sure),
+        )
+    )
+    if failures:
+        reasons = [(one.name, one.reason) for one in failures]
+        tables.append(Table("Not measured", reasons, (number[:-1], "reason")))
+    return tables
+
+
+def _draw_worst(job: Job, data: Dataset, worst: PairResult, what: str) -> None:
+    """Picture of the map with the largest mean error."""
+    from qgeo_filters.report.figures import plot_correspondence, plot_symmetry
+    from qgeo_filters.report.maps import view_alike
+    from qgeo_filters.report.view import best_view
+
+    caption = f"The worst map, {worst.name}: mean error {worst.errors.direct.mean():.4f}. Points of one colour match."
+    if what == "symmetry":
+        surface = data.read(worst.name.removeprefix("symmetry of "))
+        job.picture("worst_map", caption, partial(plot_symmetry, surface, p2p=worst.p2p))
+        return
+    names = next(pair for pair in data.pairs(worst.category) if " - ".join(pair) == worst.name)
+    x, y = (data.read(name) for name in names)
+    view = best_view(x.vertices, x.faces)
+    views = view, view_alike(x, view, y, worst.p2p)
+    job.picture("worst_map", caption, partial(plot_correspondence, x, y, worst.p2p, names=names, views=views))
 
 
 def _dataset(layout: str, root: Path) -> Dataset:
@@ -140,50 +204,3 @@ def _chosen(pairs: list[tuple[str, str]], count: int | None, seed: int) -> list[
         return pairs
     some = np.random.default_rng(seed).choice(len(pairs), count, replace=False)
     return [pairs[index] for index in sorted(some)]
-
-
-def _matches(data: Dataset, pairs: list[tuple[str, str]]) -> list[PairResult]:
-    """Errors of the matches of these pairs, each shape prepared once."""
-    from qgeo_filters.evaluation import PairResult, SymmetricErrors, geodesic_error, symmetric_errors
-    from qgeo_filters.matching.correspondence import match
-    from qgeo_filters.matching.descriptor import Descriptor
-
-    shapes: dict[str, Descriptor] = {}
-    found = []
-    for x, y in pairs:
-        for name in (x, y):
-            if name not in shapes:
-                shapes[name] = Descriptor(data.read(name)).prepared()
-        truth = data.truth(x, y)
-        started = time.process_time()
-        result = match(shapes[x], shapes[y])
-        seconds = time.process_time() - started
-        image = result.p2p[truth.points]
-        target = shapes[y].surface
-        try:
-            mirror = data.symmetry(y).images
-        except LookupError:  # without it a mirrored map cannot be told from a wrong one
-            direct = geodesic_error(image, truth.images, target)
-            errors = SymmetricErrors(direct, direct)
-        else:
-            errors = symmetric_errors(image, truth.images, mirror, target)
-        found.append(PairResult(f"{x} - {y}", data.category(x), errors, result.confident, seconds))
-    return found
-
-
-def _symmetries(data: Dataset, names: list[str]) -> list[PairResult]:
-    """Errors of the symmetry maps of these shapes; where none was found, those of the identity."""
-    from qgeo_filters.evaluation import PairResult, SymmetricErrors, geodesic_error
-    from qgeo_filters.matching.descriptor import Descriptor
-    from qgeo_filters.matching.symmetry import self_symmetry
-
-    found = []
-    for name in names:
-        truth = data.symmetry(name)
-        shape = Descriptor(data.read(name)).prepared()
-        started = time.process_time()
-        result = self_symmetry(shape)
-        seconds = time.process_time() - started
-        errors = geodesic_error(result.nearest[truth.points], truth.images, shape.surface)
-        found.append(PairResult(name, data.category(name), SymmetricErrors(errors, errors), result.found, seconds))
-    return found

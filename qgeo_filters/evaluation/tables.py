@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +27,8 @@ class PairResult:
         What the method itself said of the map.
     seconds : float
         CPU time.
+    p2p : (n_x,) int
+        The map itself; empty where it was not kept.
     """
 
     name: str
@@ -34,6 +36,7 @@ class PairResult:
     errors: SymmetricErrors
     confident: bool = True
     seconds: float = float("nan")
+    p2p: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
 
     @property
     def failed(self) -> bool:

@@ -12,6 +12,8 @@ from scipy.spatial import cKDTree
 from typer.testing import Result
 
 import qgeo_filters as qg
+from qgeo_filters.evaluation import measure
+from qgeo_filters.matching.correspondence import match
 
 Qgeo = Callable[..., Result]
 Loaded = Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]
@@ -74,8 +76,69 @@ def test_bad_input(qgeo: Qgeo, dataset: Path, options: tuple[str, ...], expected
     assert expected in result.stderr
 
 
-def test_a_missing_truth_is_named(qgeo: Qgeo, dataset: Path) -> None:
+def test_a_pair_that_cannot_be_measured_is_named_and_the_rest_goes_on(
+    qgeo: Qgeo, loaded: Loaded, dataset: Path
+) -> None:
     (dataset / "ground_truth/egg1.npz").unlink()
+    (dataset / "remeshed/egg3.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 nan\n3 0 1 9\n")
     result = qgeo("evaluate", "tosca", "--root", dataset)
-    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
-    assert "no ground truth for egg1" in result.stderr
+    assert (result.exit_code, result.stderr.count("\n")) == (1, 5)
+    assert "egg0 - egg1: no ground truth for egg1" in result.stderr
+    assert "egg2 - egg3: " in result.stderr
+    content, _ = loaded(Path("qgeo-out"))
+    assert (content["results"]["pairs"], content["results"]["not_measured"]) == (1, 5)
+    assert [row["name"] for row in content["results"]["rows"]] == ["egg0 - egg2"]
+    assert content["results"]["reasons"][0]["name"] == "egg0 - egg1"
+    assert "Not measured" in Path("qgeo-out/report.html").read_text(encoding="utf-8")
+
+
+def test_where_nothing_can_be_measured_the_first_reason_is_the_error(qgeo: Qgeo, dataset: Path) -> None:
+    for number in range(3):
+        (dataset / f"ground_truth/egg{number}.npz").unlink()
+    result = qgeo("evaluate", "tosca", "--root", dataset)
+    assert result.exit_code == 2
+    assert result.stderr.splitlines()[-1].startswith("qgeo: no ground truth for egg0")
+
+
+def test_an_interrupted_run_goes_on(qgeo: Qgeo, loaded: Loaded, dataset: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C in the second of three pairs: the first is not matched again, nor after that any."""
+    matched: list[int] = []
+
+    def counted(*args: Any) -> Any:
+        matched.append(len(matched))
+        if len(matched) == 2:
+            raise KeyboardInterrupt
+        return match(*args)
+
+    monkeypatch.setattr(measure, "match", counted)
+    command = ("evaluate", "tosca", "--root", dataset, "--no-pictures")
+    assert qgeo(*command).exit_code == 130
+    assert [file.name for file in Path("qgeo-out/pairs").iterdir()] == ["egg0-egg1.npz"]
+    result = qgeo(*command)
+    assert result.exit_code == 0, result.stderr
+    assert len(matched) == 4
+    assert "1 of 3 results are those of an earlier run" in result.stderr
+    first, arrays = loaded(Path("qgeo-out"))
+    assert qgeo(*command).exit_code == 0
+    assert len(matched) == 4
+    second, again = loaded(Path("qgeo-out"))
+    assert first["results"] == second["results"]
+    np.testing.assert_array_equal(arrays["errors"], again["errors"])
+
+
+def test_results_of_other_shapes_or_code_are_not_taken(
+    qgeo: Qgeo, dataset: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    command = ("evaluate", "tosca", "--root", dataset, "--no-pictures", "--pairs", 1)
+    assert qgeo(*command).exit_code == 0
+    file = next(Path("qgeo-out/pairs").iterdir())
+    for mesh in (dataset / "remeshed").iterdir():
+        shape = qg.Surface.read(mesh)
+        shape.with_vertices(1.5 * shape.vertices).write(mesh)
+    assert "earlier run" not in qgeo(*command).stderr
+    assert "1 of 1 results" in qgeo(*command).stderr
+    monkeypatch.setattr(measure, "_code", lambda: "another version")
+    assert "earlier run" not in qgeo(*command).stderr
+    file.write_bytes(b"PK not an archive")
+    assert "earlier run" not in qgeo(*command).stderr
+    assert "1 of 1 results" in qgeo(*command).stderr
