@@ -221,6 +221,9 @@ def test_operator_is_the_matrix(surface: Surface, matrix: np.ndarray) -> None:
     assert np.array_equal(operator.T @ x, operator @ x)
     assert np.array_equal(operator.rmatvec(x[:, 1]), operator @ x[:, 1])
     assert np.array_equal(DistanceOperator(surface, workers=1) @ x, operator @ x)
+    single = operator @ x.astype(np.float32)
+    assert single.dtype == np.float64
+    assert np.allclose(single, full @ x, rtol=1e-4, atol=1e-4 * np.abs(full @ x).max())
 
 
 def test_operator_refuses_infinite_distances() -> None:
