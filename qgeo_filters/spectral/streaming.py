@@ -100,7 +100,8 @@ def spectrum_by_pass(
     if metric is None:
         metric = lifted_metric(surface)
     operator = DistanceOperator(surface, metric, accuracy=accuracy, workers=workers, progress=progress)
-    root = np.sqrt(surface.vertex_areas)[:, None]
+    # Free of the unit of length, so that no scale leaves the range of float32.
+    root = np.sqrt(surface.vertex_areas / surface.area)[:, None]
     # Spread by the surface's own metric: the farthest points of a rough one are the tips of its spikes.
     points = farthest_points(surface, landmarks)
     rows = distances(surface, points, metric, accuracy=accuracy, workers=workers, progress=progress)
@@ -113,7 +114,8 @@ def spectrum_by_pass(
         block = root * (operator @ (root * block).astype(np.float32))
         images = np.column_stack([images, block])
         values, vectors, residuals = _eigenpairs(basis, images, k)
-        yield Spectrum.of(values, vectors / root, surface.vertex_areas, residuals)
+        functions = vectors / (root * np.sqrt(surface.area))
+        yield Spectrum.of(values * surface.area, functions, surface.vertex_areas, residuals)
         if basis.shape[1] == n:
             return  # nothing is left to find
 

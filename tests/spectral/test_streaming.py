@@ -80,6 +80,15 @@ def test_signs_and_weights_are_those_of_the_full_spectrum() -> None:
     assert np.allclose(gram, np.eye(4), atol=1e-8)
 
 
+@pytest.mark.parametrize("scale", [1e-12, 1e20])
+def test_no_unit_of_length_is_too_small_or_large(scale: float) -> None:
+    surface = Surface(*blob(2))
+    other = Surface(scale * surface.vertices, surface.faces)
+    one, two = (streamed_spectrum(s, 5, lifted_metric(s), landmarks=50) for s in (surface, other))
+    assert np.allclose(two.eigenvalues, scale**3 * one.eigenvalues, rtol=1e-4)
+    assert np.allclose(two.eigenfunctions * scale, one.eigenfunctions, atol=1e-3)
+
+
 def test_bad_arguments_get_one_sentence() -> None:
     surface = Surface(*icosphere(2))
     with pytest.raises(ValueError, match="landmarks must be at least k, 5, and at most the 162 vertices, got 4"):
