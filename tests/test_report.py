@@ -26,7 +26,7 @@ from qgeo_filters.report.colors import (
     sequential,
 )
 from qgeo_filters.report.glyphs import ball, tube
-from qgeo_filters.report.html import Picture, Table, formatted, report_page, write_report
+from qgeo_filters.report.html import Picture, StoredPicture, Table, formatted, report_page, write_report
 from qgeo_filters.report.raster import rasterize
 from qgeo_filters.report.render import render_mesh
 from qgeo_filters.report.shading import corner_normals, crease_darkening, pixel_normals
@@ -628,6 +628,27 @@ def test_page_is_self_contained_and_well_formed() -> None:
     data = base64.b64decode(reader.references[0].split(",", 1)[1])
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     assert data == Picture("again", picture.figure, "").png  # the same figure gives the same bytes
+
+
+def test_stored_picture_is_shown_as_the_figure_it_was(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    for figure in (figures.plot_spectrum([2.0, -1.0]), panels.new_figure(7.0, 1.0)):
+        picture = Picture("one", figure, "a caption")
+        path = tmp_path / "one.png"
+        path.write_bytes(picture.png)
+        assert report_page("", pictures=[StoredPicture(path, "a caption")]) == report_page("", pictures=[picture])
+
+
+def test_numbers_come_first_where_asked() -> None:
+    table = Table("Numbers", [(1, 2)])
+    before, after = (report_page("", tables=[table], tables_first=first) for first in (True, False))
+    assert before.index('"tables"') < before.index('"pictures"')
+    assert after.index('"pictures"') < after.index('"tables"')
+    assert before.count("Numbers</h2>") == after.count("Numbers</h2>") == 1
+
+
+def test_long_table_takes_the_width_of_the_page() -> None:
+    assert 'class="table wide"' in report_page("", tables=[Table("", [("a" * 60, "b" * 60)])])
+    assert 'class="table wide"' not in report_page("", tables=[Table("", [("a" * 60, 1)], ("name", "value"))])
 
 
 def test_numbers_are_legible() -> None:

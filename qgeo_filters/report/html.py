@@ -8,13 +8,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from html import escape
+from itertools import zip_longest
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
 
 from qgeo_filters.atomic import atomic_write
+from qgeo_filters.report.panels import DPI
 from qgeo_filters.report.style import STYLESHEET
+
+_WIDE = 5.5  # inches
+_HALF_PAGE = 90  # characters in half the width of the page
 
 
 @dataclass(frozen=True)
@@ -41,6 +47,36 @@ class Picture:
         # Without a time stamp and a version: the same figure gives the same bytes.
         self.figure.savefig(buffer, format="png", metadata={"Software": None})
         return buffer.getvalue()
+
+    @property
+    def wide(self) -> bool:
+        """Whether it takes the whole width of the page."""
+        return bool(self.figure.get_figwidth() > _WIDE)
+
+
+@dataclass(frozen=True)
+class StoredPicture:
+    """A picture of the report that was written before.
+
+    Attributes
+    ----------
+    path : Path
+        Of a PNG file at the resolution of this package's figures.
+    caption : str
+    """
+
+    path: Path
+    caption: str
+
+    @property
+    def png(self) -> bytes:
+        """The file."""
+        return self.path.read_bytes()
+
+    @property
+    def wide(self) -> bool:
+        """Whether it takes the whole width of the page."""
+        return int.from_bytes(self.png[16:20], "big") > _WIDE * DPI  # the width in a PNG file's first chunk
 
 
 @dataclass(frozen=True)
@@ -88,19 +124,30 @@ def report_page(
     title: str,
     *,
     subtitle: str = "",
-    pictures: Sequence[Picture] = (),
+    pictures: Sequence[Picture | StoredPicture] = (),
     tables: Sequence[Table] = (),
     footer: str = "",
+    tables_first: bool = False,
 ) -> str:
     """Text of a self-contained web page; pictures are base64 PNG, nothing is loaded from elsewhere.
 
     Parameters
     ----------
     title, subtitle : str
-    pictures : sequence of Picture
+    pictures : sequence of Picture or StoredPicture
     tables : sequence of Table
     footer : str
+    tables_first : bool
+        Whether the numbers come before the pictures.
     """
+    sections = [
+        f"""<section class="pictures" aria-label="Pictures">
+{"".join(map(_picture, pictures))}</section>
+""",
+        f"""<section class="tables" aria-label="Numbers">
+{"".join(map(_table, tables))}</section>
+""",
+    ]
     return f"""<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -113,11 +160,7 @@ def report_page(
 <body>
 <header><h1>{escape(title)}</h1>{_paragraph(subtitle)}</header>
 <main>
-<section class="pictures" aria-label="Pictures">
-{"".join(map(_picture, pictures))}</section>
-<section class="tables" aria-label="Numbers">
-{"".join(map(_table, tables))}</section>
-</main>
+{"".join(reversed(sections) if tables_first else sections)}</main>
 <footer>{_paragraph(footer)}</footer>
 </body>
 </html>
@@ -134,10 +177,10 @@ def _paragraph(text: str) -> str:
     return f"<p>{escape(text)}</p>" if text else ""
 
 
-def _picture(picture: Picture) -> str:
+def _picture(picture: Picture | StoredPicture) -> str:
     data = base64.b64encode(picture.png).decode("ascii")
     caption = escape(picture.caption)
-    wide = ' class="wide"' if picture.figure.get_figwidth() > 5.5 else ""
+    wide = ' class="wide"' if picture.wide else ""
     image = f'<img src="data:image/png;base64,{data}" alt="{caption}">'
     return f"<figure{wide}>{image}<figcaption>{caption}</figcaption></figure>\n"
 
@@ -147,7 +190,10 @@ def _table(table: Table) -> str:
     head = f"<thead><tr>{head}</tr></thead>" if head else ""
     body = "".join(_row(row) for row in table.rows)
     content = f'<div class="scroll"><table>{head}<tbody>{body}</tbody></table></div>'
-    return f'<div class="table"><h2>{escape(table.title)}</h2>{content}{_paragraph(table.note)}</div>\n'
+    lines = [[formatted(value) for value in row] for row in (*table.rows, table.columns)]
+    longest = [max(map(len, column)) for column in zip_longest(*lines, fillvalue="")]
+    wide = " wide" if sum(longest) > _HALF_PAGE else ""
+    return f'<div class="table{wide}"><h2>{escape(table.title)}</h2>{content}{_paragraph(table.note)}</div>\n'
 
 
 def _row(row: Sequence[Any]) -> str:

@@ -31,6 +31,7 @@ figcaption { padding: .7rem 1rem .8rem; border-top: 1px solid var(--line); font-
 .tables { columns: 2 24rem; column-gap: 1.25rem; margin-top: 1.25rem; }
 .table { break-inside: avoid; margin-bottom: 1.25rem; }
 .table { padding: 1rem; }
+.table.wide { column-span: all; }
 .table p { margin: .6rem 0 0; font-size: .9rem; color: var(--faint); }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; width: 100%; font-size: .92rem; }

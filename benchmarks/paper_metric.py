@@ -1,0 +1,143 @@
+"""Which metric should propose maps: C_XY and the search's proposals over the weight and the scalar.
+
+    python benchmarks/paper_metric.py ROOT --out metrics.jsonl [--pairs 15] [--categories cat dog centaur]
+
+ROOT holds TOSCA's ``remeshed``, ``ground_truth`` and ``symmetry``. For each pair of poses and each metric alone: C_XY
+of 20 eigenfunctions paired by eq. (4) through the true map (`commutative_eigenspectra`), and the up to twelve distinct
+coarse maps that `search` proposes, each with its mean distance on Y to the truth, or to the mirrored truth, in units of
+sqrt(area). A proposal is right within .1; the mirrored counts, since the twin is built of it. Results are appended to
+the file as they come and not computed again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import json
+from collections import defaultdict
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from qgeo_filters.evaluation import ToscaRemeshed
+from qgeo_filters.geodesics.lifting import lifted_metric
+from qgeo_filters.geodesics.matrix import distance_matrix
+from qgeo_filters.matching.descriptor import MetricView, farthest_rows
+from qgeo_filters.matching.search import search
+from qgeo_filters.spectral.commutative import commutative_eigenspectra
+from qgeo_filters.spectral.distance_spectrum import spectrum_of_matrix
+from qgeo_filters.surface import Surface
+
+SCALARS = ("mean_curvature", "gaussian_curvature", "curvedness")
+WEIGHTS = (0.0, 0.01, 0.02, 0.03, 0.06)
+TUNING = ("cat", "dog", "centaur")
+FUNCTIONS, SPARE, POINTS = 20, 5, 300
+RIGHT = 0.1
+
+Metric = tuple[str, float]
+
+
+def metrics() -> list[Metric]:
+    """Every scalar with every weight, the Cartesian metric once."""
+    return [("none", 0.0), *itertools.product(SCALARS, WEIGHTS[1:])]
+
+
+def prepared(surface: Surface, metric: Metric) -> tuple[Any, Any]:
+    """What `search` reads of a descriptor with this metric alone, and the spectrum."""
+    scalar, weight = metric
+    lifted = lifted_metric(surface, "mean_curvature" if weight == 0 else scalar, weight)
+    matrix = distance_matrix(surface, lifted)
+    spectrum = spectrum_of_matrix(matrix, surface.vertex_areas, FUNCTIONS + SPARE)
+    samples = farthest_rows(matrix, surface.vertex_areas, POINTS)
+    functions = spectrum.eigenfunctions.astype(np.float32)
+    view = MetricView(weight, spectrum.eigenvalues, functions, spectrum.truncated(FUNCTIONS), matrix[samples])
+    shape = SimpleNamespace(views=(view,), samples=samples, rows=view.rows, n_vertices=surface.n_vertices)
+    return shape, spectrum
+
+
+def main() -> None:
+    """Measure what is not in the file yet, then print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("root", type=Path)
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--pairs", type=int, default=15, help="pairs of each category, drawn at random (seed 0)")
+    parser.add_argument("--categories", nargs="*", default=list(TUNING))
+    options = parser.parse_args()
+    data = ToscaRemeshed(options.root)
+    found = [json.loads(line) for line in options.out.read_text().splitlines()] if options.out.exists() else []
+    with options.out.open("a") as file:
+        for category in options.categories:
+            pairs = list(data.pairs(category))
+            np.random.default_rng(0).shuffle(pairs)
+            for row in _measured(data, pairs[: options.pairs], {(r["pair"], r["scalar"], r["weight"]) for r in found}):
+                file.write(json.dumps(row) + "\n")
+                file.flush()
+                found.append(row)
+    print(table(found, options.categories))
+
+
+def _measured(data: ToscaRemeshed, pairs: list[tuple[str, str]], done: set[tuple[str, str, float]]) -> Any:
+    """A row for each pair and metric that is not done."""
+    names = list(dict.fromkeys(name for pair in pairs for name in pair))
+    left = [m for m in metrics() if any((f"{x}-{y}", *m) not in done for x, y in pairs)]
+    if not left:
+        return
+    units = {name: _unit(data.read(name)) for name in names}
+    cartesian = {y: distance_matrix(units[y]) for y in dict.fromkeys(y for _, y in pairs)}
+    for metric in left:
+        shapes = {name: prepared(units[name], metric) for name in names}
+        for x, y in pairs:
+            if (f"{x}-{y}", *metric) in done:
+                continue
+            truth, mirror = data.truth(x, y).images, data.symmetry(y).images
+            c_xy = commutative_eigenspectra(shapes[x][1], shapes[y][1], truth, FUNCTIONS).c_xy
+            errors = []
+            for proposal in search(shapes[x][0], shapes[y][0]):
+                target = truth[proposal.points]
+                errors.append([float(cartesian[y][proposal.p2p, to].mean()) for to in (target, mirror[target])])
+            row = {"pair": f"{x}-{y}", "category": data.category(x), "scalar": metric[0], "weight": metric[1]}
+            yield {**row, "c_xy": c_xy, "errors": errors}
+
+
+def _unit(surface: Surface) -> Surface:
+    return Surface(surface.vertices / np.sqrt(surface.area), surface.faces)
+
+
+def table(found: list[dict[str, Any]], categories: list[str]) -> str:
+    """One line for each metric: C_XY by category, and what the search proposes over all pairs."""
+    rows: dict[Metric, list[dict[str, Any]]] = defaultdict(list)
+    for row in found:
+        if row["category"] in categories:
+            rows[row["scalar"], row["weight"]].append(row)
+    cartesian = {row["pair"]: _best(row) for row in rows["none", 0.0]}
+    lines = [
+        f"| scalar | weight | {' | '.join(f'C_XY {c}' for c in categories)} | a right proposal | the same, with those "
+        "of weight 0 | the first is right | best proposal's error, mean |",
+        "|---|---:|" + "---:|" * (len(categories) + 4),
+    ]
+    for metric in metrics():
+        here = rows[metric]
+        if not here:
+            continue
+        c_xy = [np.mean([r["c_xy"] for r in here if r["category"] == c]) for c in categories]
+        best = np.array([_best(r) for r in here])
+        union = np.minimum(best, [cartesian.get(r["pair"], np.inf) for r in here])
+        first = np.array([min(r["errors"][0]) for r in here])
+        counts = [f"{int((values <= RIGHT).sum())} of {len(here)}" for values in (best, union, first)]
+        lines.append(
+            f"| {metric[0]} | {metric[1]:g} | "
+            + " | ".join([*(f"{value:.2f}" for value in c_xy), *counts, f"{best.mean():.3f}"])
+            + " |"
+        )
+    return "\n".join(lines)
+
+
+def _best(row: dict[str, Any]) -> float:
+    """Error of the best proposal, mirrored or not."""
+    return min(min(pair) for pair in row["errors"])
+
+
+if __name__ == "__main__":
+    main()
