@@ -52,11 +52,11 @@ def first_figure(study: Study) -> Part:
             f"Figure 1: the matrix of all distances of {name} in {words}; rows in an order in which neighbours are "
             "near on the surface."
         )
-        pictures.append(_picture(study, f"figure1-matrix-{weight:g}", caption, _matrix, metric))
+        pictures.append(_picture(study, f"figure1-{name}-matrix-{weight:g}", caption, _matrix, metric))
         caption = f"Figure 1: its first eigenfunctions ({name}, {words})."
         spectrum = study.spectrum(name, weight)
         pictures.append(
-            _picture(study, f"figure1-functions-{weight:g}", caption, plot_eigenfunctions, surface, spectrum)
+            _picture(study, f"figure1-{name}-functions-{weight:g}", caption, plot_eigenfunctions, surface, spectrum)
         )
     return Part("Figure 1: the descriptor and its eigenfunctions", pictures=pictures)
 
@@ -76,7 +76,16 @@ def fifth_figure(study: Study) -> Part:
                 f"weight {weight:g}, from two sides; with the share of the area whose mirror image is in the same one."
             )
             pictures.append(
-                _picture(study, f"figure5-{reading}-{count}", caption, _both_sides, study, names, regions, here)
+                _picture(
+                    study,
+                    f"figure5-{reading}-{count}-{'-'.join(names)}",
+                    caption,
+                    _both_sides,
+                    study,
+                    names,
+                    regions,
+                    here,
+                )
             )
     rows = [
         (f"{reading}, {count} functions, weight {weight:g}", *(f"{100 * share:.0f}" for share in here))
@@ -115,9 +124,7 @@ def sixth_figure(study: Study) -> Part:
             "nearest neighbours with and without the vertex order, and by match."
         )
         here = {method: values[-1] for method, values in shares.items()}
-        pictures.append(
-            _picture(study, f"figure6-{category}", caption, _regions, study, (x, y), regions_x, carried, here)
-        )
+        pictures.append(_picture(study, f"figure6-{x}-{y}", caption, _regions, study, (x, y), regions_x, carried, here))
     claims = []
     for method, label in zip(methods, (GIVEN, NOT_GIVEN, "match"), strict=True):
         low, mean = min(shares[method]), float(np.mean(shares[method]))
@@ -145,7 +152,9 @@ def seventh_figure(study: Study) -> Part:
                 f"Figure 7: eigenfunctions of the baselines S1 and S2, paired by eq. (4), and those that they select "
                 f"on further poses of {category}, weight {weight:g}."
             )
-            pictures.append(_picture(study, f"figure7-{category}-{weight:g}", caption, _carried, study, names, weight))
+            pictures.append(
+                _picture(study, f"figure7-{'-'.join(names)}-{weight:g}", caption, _carried, study, names, weight)
+            )
     return Part("Figure 7: compatibility", pictures=pictures)
 
 

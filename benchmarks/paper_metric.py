@@ -1,6 +1,6 @@
 """Which metric should propose maps: C_XY and the search's proposals over the weight and the scalar.
 
-    python benchmarks/paper_metric.py ROOT --out metrics.jsonl [--pairs 15] [--categories cat dog centaur]
+    python benchmarks/paper_metric.py ROOT --out metrics.jsonl [--pairs 15] [--categories cat dog] [--weights .01 .03]
 
 ROOT holds TOSCA's ``remeshed``, ``ground_truth`` and ``symmetry``. For each pair of poses and each metric alone: C_XY
 of 20 eigenfunctions paired by eq. (4) through the true map (`commutative_eigenspectra`), and the up to twelve distinct
@@ -15,6 +15,7 @@ import argparse
 import itertools
 import json
 from collections import defaultdict
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -31,17 +32,19 @@ from qgeo_filters.spectral.distance_spectrum import spectrum_of_matrix
 from qgeo_filters.surface import Surface
 
 SCALARS = ("mean_curvature", "gaussian_curvature", "curvedness")
-WEIGHTS = (0.0, 0.01, 0.02, 0.03, 0.06)
+WEIGHTS = (0.01, 0.02, 0.03, 0.06)
 TUNING = ("cat", "dog", "centaur")
 FUNCTIONS, SPARE, POINTS = 20, 5, 300
 RIGHT = 0.1
 
 Metric = tuple[str, float]
+Row = dict[str, Any]
+CARTESIAN: Metric = ("none", 0.0)
 
 
-def metrics() -> list[Metric]:
-    """Every scalar with every weight, the Cartesian metric once."""
-    return [("none", 0.0), *itertools.product(SCALARS, WEIGHTS[1:])]
+def metrics(scalars: list[str], weights: list[float]) -> list[Metric]:
+    """The Cartesian metric, and every scalar with every weight."""
+    return [CARTESIAN, *itertools.product(scalars, (weight for weight in weights if weight > 0))]
 
 
 def prepared(surface: Surface, metric: Metric) -> tuple[Any, Any]:
@@ -64,26 +67,32 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--pairs", type=int, default=15, help="pairs of each category, drawn at random (seed 0)")
     parser.add_argument("--categories", nargs="*", default=list(TUNING))
+    parser.add_argument("--scalars", nargs="*", default=list(SCALARS))
+    parser.add_argument("--weights", nargs="*", type=float, default=list(WEIGHTS))
     options = parser.parse_args()
     data = ToscaRemeshed(options.root)
+    wanted = metrics(options.scalars, options.weights)
     found = [json.loads(line) for line in options.out.read_text().splitlines()] if options.out.exists() else []
+    done = {(row["pair"], row["scalar"], row["weight"]) for row in found}
     with options.out.open("a") as file:
         for category in options.categories:
             pairs = list(data.pairs(category))
             np.random.default_rng(0).shuffle(pairs)
-            for row in _measured(data, pairs[: options.pairs], {(r["pair"], r["scalar"], r["weight"]) for r in found}):
+            for row in _measured(data, pairs[: options.pairs], wanted, done):
                 file.write(json.dumps(row) + "\n")
                 file.flush()
                 found.append(row)
-    print(table(found, options.categories))
+    print(table(found, options.categories, wanted))
 
 
-def _measured(data: ToscaRemeshed, pairs: list[tuple[str, str]], done: set[tuple[str, str, float]]) -> Any:
+def _measured(
+    data: ToscaRemeshed, pairs: list[tuple[str, str]], wanted: list[Metric], done: set[tuple[str, str, float]]
+) -> Iterator[Row]:
     """A row for each pair and metric that is not done."""
-    names = list(dict.fromkeys(name for pair in pairs for name in pair))
-    left = [m for m in metrics() if any((f"{x}-{y}", *m) not in done for x, y in pairs)]
+    left = [m for m in wanted if any((f"{x}-{y}", *m) not in done for x, y in pairs)]
     if not left:
         return
+    names = list(dict.fromkeys(name for pair in pairs for name in pair))
     units = {name: _unit(data.read(name)) for name in names}
     cartesian = {y: distance_matrix(units[y]) for y in dict.fromkeys(y for _, y in pairs)}
     for metric in left:
@@ -105,36 +114,38 @@ def _unit(surface: Surface) -> Surface:
     return Surface(surface.vertices / np.sqrt(surface.area), surface.faces)
 
 
-def table(found: list[dict[str, Any]], categories: list[str]) -> str:
-    """One line for each metric: C_XY by category, and what the search proposes over all pairs."""
-    rows: dict[Metric, list[dict[str, Any]]] = defaultdict(list)
+def table(found: list[Row], categories: list[str], wanted: list[Metric]) -> str:
+    """One line for each metric: C_XY against the Cartesian one, and what the search proposes over all pairs."""
+    rows: dict[Metric, dict[str, Row]] = defaultdict(dict)
     for row in found:
         if row["category"] in categories:
-            rows[row["scalar"], row["weight"]].append(row)
-    cartesian = {row["pair"]: _best(row) for row in rows["none", 0.0]}
+            rows[row["scalar"], row["weight"]][row["pair"]] = row
+    cartesian = rows[CARTESIAN]
     lines = [
-        f"| scalar | weight | {' | '.join(f'C_XY {c}' for c in categories)} | a right proposal | the same, with those "
-        "of weight 0 | the first is right | best proposal's error, mean |",
-        "|---|---:|" + "---:|" * (len(categories) + 4),
+        f"| scalar | weight | {' | '.join(f'C_XY {c}' for c in categories)} | change of C_XY (%) | pairs with a "
+        "lower one | one is right | with those of weight 0 | the first is right | right a pair | error of the best |",
+        "|---|---:|" + "---:|" * (len(categories) + 7),
     ]
-    for metric in metrics():
+    for metric in wanted:
         here = rows[metric]
         if not here:
             continue
-        c_xy = [np.mean([r["c_xy"] for r in here if r["category"] == c]) for c in categories]
-        best = np.array([_best(r) for r in here])
-        union = np.minimum(best, [cartesian.get(r["pair"], np.inf) for r in here])
-        first = np.array([min(r["errors"][0]) for r in here])
-        counts = [f"{int((values <= RIGHT).sum())} of {len(here)}" for values in (best, union, first)]
-        lines.append(
-            f"| {metric[0]} | {metric[1]:g} | "
-            + " | ".join([*(f"{value:.2f}" for value in c_xy), *counts, f"{best.mean():.3f}"])
-            + " |"
-        )
+        c_xy = [np.mean([r["c_xy"] for r in here.values() if r["category"] == c]) for c in categories]
+        change = np.array([100 * (row["c_xy"] / cartesian[pair]["c_xy"] - 1) for pair, row in here.items()])
+        best = np.array([_best(row) for row in here.values()])
+        union = np.minimum(best, [_best(cartesian[pair]) for pair in here])
+        first = np.array([min(row["errors"][0]) for row in here.values()])
+        right = np.mean([sum(min(pair) <= RIGHT for pair in row["errors"]) for row in here.values()])
+        deviation = change.std(ddof=1) / np.sqrt(len(change)) if len(change) > 1 else np.nan
+        cells = [f"{value:.2f}" for value in c_xy]
+        cells += [f"{change.mean():+.1f} ± {deviation:.1f}", f"{(change < 0).sum()} of {len(here)}"]
+        cells += [f"{(values <= RIGHT).sum()} of {len(here)}" for values in (best, union, first)]
+        cells += [f"{right:.1f}", f"{best.mean():.4f}"]
+        lines.append(f"| {metric[0]} | {metric[1]:g} | {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
-def _best(row: dict[str, Any]) -> float:
+def _best(row: Row) -> float:
     """Error of the best proposal, mirrored or not."""
     return min(min(pair) for pair in row["errors"])
 
