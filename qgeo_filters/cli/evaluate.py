@@ -119,33 +119,34 @@ def evaluate(
 
 def _tables(rows: list[Row], found: list[PairResult], failures: list[PairFailure], what: str) -> list[Table]:
     """Errors by category, those of the worst pairs, and what could not be measured."""
-    from qgeo_filters.evaluation.errors import THRESHOLDS
+    from qgeo_filters.evaluation.errors import FAILED, THRESHOLDS
     from qgeo_filters.report.html import Table
 
     number = "pairs" if what == "match" else "shapes"
-    within = [f"within {threshold:g} (%)" for threshold in THRESHOLDS]
-    columns = ("category", number, "mean", "median", *within, "mirrored (%)", "failed", "CPU s")
+    within = [f"≤ {threshold:g}" for threshold in THRESHOLDS]
+    columns = ("category", number, "mean", "median", *within, "mirrored", "failed", "CPU s")
     lines = [
         (
             row.label,
             row.pairs,
-            row.direct.mean,
-            row.direct.median,
-            *(100 * share for share in row.direct.below),
-            100 * row.mirrored / row.pairs if what == "match" else None,
+            f"{row.direct.mean:.4f}",
+            f"{row.direct.median:.4f}",
+            *(f"{share:.1%}" for share in row.direct.below),
+            row.mirrored if what == "match" else None,
             row.failed,
-            row.seconds,
+            f"{row.seconds:.1f}",
         )
         for row in rows
     ]
-    tables = [Table("Errors in units of sqrt(area)", lines, columns, "Failed: a mean above 0.1.")]
+    note = f"Shares are of all points. Mirrored, failed (a mean above {FAILED:g}): numbers of {number}."
+    tables = [Table("Errors in units of sqrt(area)", lines, columns, note)]
     worst = sorted(found, key=lambda one: -float(one.errors.direct.mean()))[:_WORST]
     sure = "confident" if what == "match" else "found"
     tables.append(
         Table(
             f"The worst {number}",
             [
-                (one.name, float(one.errors.direct.mean()), float(one.errors.direct.max()), one.confident)
+                (one.name, f"{one.errors.direct.mean():.4f}", f"{one.errors.direct.max():.3f}", one.confident)
                 for one in worst
             ],
             (number[:-1], "mean", "largest", sure),

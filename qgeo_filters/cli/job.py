@@ -25,6 +25,8 @@ from qgeo_filters.interop.repair import repair_surface
 from qgeo_filters.report.html import Picture, Table, formatted, write_report
 from qgeo_filters.surface import Surface
 
+_PIPE_WIDTH = 120
+
 
 class Job:
     """Results of one command on one mesh, or on several that belong together, in one folder.
@@ -139,7 +141,9 @@ class Job:
         if self.settings.json:
             sys.stdout.write((self.folder / "result.json").read_text(encoding="utf-8"))
             return
-        console = Console(quiet=self.settings.quiet, highlight=False)
+        # A file or a pipe has no width; the usual guess of 80 columns would cut tables short.
+        width = None if sys.stdout.isatty() else _PIPE_WIDTH
+        console = Console(quiet=self.settings.quiet, highlight=False, width=width)
         title = f"{self.command}  {self._subject()}"
         for table in (Table.of(title, self._short_results()), *tables):
             shown = TerminalTable(title=table.title, title_justify="left", show_header=bool(table.columns))
@@ -163,8 +167,12 @@ class Job:
         return tables
 
     def _short_results(self) -> dict[str, Any]:
-        """Results but for long lists, which have a table of their own."""
-        return {name: value for name, value in self.results.items() if not isinstance(value, list) or len(value) <= 6}
+        """Results but for long lists and records, which have a table of their own."""
+        return {
+            name: value
+            for name, value in self.results.items()
+            if not isinstance(value, list) or (len(value) <= 6 and not any(isinstance(item, dict) for item in value))
+        }
 
     def _write_json(self) -> None:
         content = {

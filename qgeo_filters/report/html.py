@@ -21,6 +21,7 @@ from qgeo_filters.report.style import STYLESHEET
 
 _WIDE = 5.5  # inches
 _HALF_PAGE = 90  # characters in half the width of the page
+_GAP = 3  # characters between columns
 
 
 @dataclass(frozen=True)
@@ -192,7 +193,7 @@ def _table(table: Table) -> str:
     content = f'<div class="scroll"><table>{head}<tbody>{body}</tbody></table></div>'
     lines = [[formatted(value) for value in row] for row in (*table.rows, table.columns)]
     longest = [max(map(len, column)) for column in zip_longest(*lines, fillvalue="")]
-    wide = " wide" if sum(longest) > _HALF_PAGE else ""
+    wide = " wide" if sum(longest) + _GAP * len(longest) > _HALF_PAGE else ""
     return f'<div class="table{wide}"><h2>{escape(table.title)}</h2>{content}{_paragraph(table.note)}</div>\n'
 
 
