@@ -10,6 +10,7 @@ from qgeo_filters.evaluation.datasets import (
     VtsDataset,
     read_vts,
 )
+from qgeo_filters.evaluation.download import fetch
 from qgeo_filters.evaluation.errors import (
     ErrorSummary,
     SymmetricErrors,
@@ -33,6 +34,7 @@ __all__ = [
     "ToscaRemeshed",
     "VtsDataset",
     "error_curve",
+    "fetch",
     "geodesic_error",
     "markdown",
     "mirrored",

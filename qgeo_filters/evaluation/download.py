@@ -1,0 +1,173 @@
+"""Public data sets from where their authors, or the web archive, keep them."""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+import tempfile
+import warnings
+import zipfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path, PurePosixPath
+
+from qgeo_filters.errors import MeshError, require_package
+from qgeo_filters.evaluation.datasets import Dataset, IndexedDataset, VtsDataset
+
+
+@dataclass(frozen=True)
+class Source:
+    """A data set that can be downloaded.
+
+    Attributes
+    ----------
+    urls : tuple of str
+        Its zip archives.
+    folders : mapping of str to str
+        Where files go, by suffix, as `reader` expects them; others are left out.
+    reader : callable
+        Takes the folder, returns the `Dataset`.
+    terms : str
+        Who made it, and on what terms.
+    hashes : mapping of str to str
+        SHA-256 of archives, by URL, where it is known from a source other than the download itself.
+    """
+
+    urls: tuple[str, ...]
+    folders: Mapping[str, str]
+    reader: Callable[[Path], Dataset]
+    terms: str
+    hashes: Mapping[str, str] = field(default_factory=dict)
+
+
+_LIX = "https://nuage.lix.polytechnique.fr/index.php/s/LJFXrsTG22wYCXx/download?path=%2F&files="
+_HUMANS = {".off": "off", ".vts": "corres"}
+
+#: Data sets by name. Nobody has published hashes of these archives, so there are none here.
+SOURCES: Mapping[str, Source] = {
+    # The authors' own server no longer answers; this is its file as it was.
+    "tosca": Source(
+        ("https://web.archive.org/web/20240118105018if_/http://tosca.cs.technion.ac.il/data/toscahires-asci.zip",),
+        {".vert": ".", ".tri": "."},
+        IndexedDataset,
+        "Bronstein, Bronstein, Kimmel, Numerical Geometry of Non-Rigid Shapes, 2008; for academic use, not to be "
+        "passed on",
+    ),
+    "faust-remeshed": Source(
+        (f"{_LIX}FAUST_r.zip", f"{_LIX}FAUST_r_vts.zip"),
+        _HUMANS,
+        VtsDataset,
+        "Bogo, Romero, Loper, Black, FAUST, CVPR 2014, remeshed by Ren et al. 2018; for research, on FAUST's terms",
+    ),
+    "scape-remeshed": Source(
+        (f"{_LIX}SCAPE_r.zip", f"{_LIX}SCAPE_r_vts.zip"),
+        _HUMANS,
+        VtsDataset,
+        "Anguelov et al., SCAPE, SIGGRAPH 2005, remeshed by Ren et al. 2018; for research",
+    ),
+    "horse-gallop": Source(
+        ("https://people.csail.mit.edu/sumner/research/deftransfer/data/horse-gallop.zip",),
+        {".obj": "."},
+        IndexedDataset,
+        "Sumner and Popovic, Deformation transfer for triangle meshes, SIGGRAPH 2004",
+    ),
+}
+
+
+def fetch(
+    name: str,
+    folder: str | PathLike[str] | None = None,
+    *,
+    known_hash: str | Mapping[str, str] | None = None,
+    progress: bool = False,
+) -> Dataset:
+    """A public data set, downloaded when it is asked for first.
+
+    **No archive of `SOURCES` has a published hash**: what comes is what the server sends. The SHA-256 of an archive
+    that nothing was held against is told in a warning, to be passed as ``known_hash`` from then on.
+
+    Parameters
+    ----------
+    name : str
+        One of `SOURCES`: ``"tosca"`` (full resolution), ``"faust-remeshed"``, ``"scape-remeshed"``,
+        ``"horse-gallop"``. Mind the terms of each.
+    folder : path, optional
+        Where data sets are kept, each in a folder of its name; the user's cache folder by default.
+    known_hash : str, or mapping of str to str, optional
+        SHA-256 of the archive, or of each by its URL.
+    progress : bool
+        Whether to show a progress bar.
+
+    Returns
+    -------
+    Dataset
+
+    Raises
+    ------
+    ValueError
+        Unknown name; an archive that is not the one of the known hash.
+    MeshError
+        An archive without the expected files.
+    OSError
+        The server does not answer, or the folder cannot be written.
+    MissingPackageError
+        Without pooch.
+    """
+    if name not in SOURCES:
+        raise ValueError(f"no data set {name!r}: there are {', '.join(SOURCES)}")
+    source = SOURCES[name]
+    if isinstance(known_hash, str):
+        if len(source.urls) > 1:
+            raise ValueError(f"{name} comes in {len(source.urls)} archives: known_hash must give the hash of each URL")
+        known_hash = {source.urls[0]: known_hash}
+    hashes = {**source.hashes, **(known_hash or {})}
+    pooch = require_package("pooch", "download", "fetching a data set")
+    base = Path(pooch.os_cache("qgeo-filters") if folder is None else folder)
+    archives = base / "archives"
+    files = []
+    for url in source.urls:
+        kept = f"{name}-{hashlib.sha256(url.encode()).hexdigest()[:8]}.zip"
+        file = Path(pooch.retrieve(url, hashes.get(url), kept, archives, progressbar=progress))
+        if url not in hashes:
+            warnings.warn(
+                f"{url} was not held against a known hash; its SHA-256 is {pooch.file_hash(str(file))}: pass it as "
+                f"known_hash={{{url!r}: ...}} to be sure of it from now on",
+                stacklevel=2,
+            )
+        files.append(file)
+    root = base / name
+    newest = max(file.stat().st_mtime for file in files)
+    if not root.is_dir() or root.stat().st_mtime < newest:
+        _unpack(files, root, source.folders)
+    return source.reader(root)
+
+
+def _unpack(archives: list[Path], root: Path, folders: Mapping[str, str]) -> None:
+    """Put the files of these suffixes into their folders under root, all of them or none."""
+    with tempfile.TemporaryDirectory(dir=root.parent, prefix=f".{root.name}-") as temporary:
+        made = Path(temporary) / root.name
+        made.mkdir()
+        for archive in archives:
+            count = 0
+            try:
+                with zipfile.ZipFile(archive) as content:
+                    for entry in content.infolist():
+                        path = PurePosixPath(entry.filename)
+                        # Archives made on a Mac have a shadow of each file.
+                        if entry.is_dir() or path.suffix.lower() not in folders or path.name.startswith("._"):
+                            continue
+                        target = made / folders[path.suffix.lower()] / path.name
+                        if target.exists():
+                            raise MeshError(f"{archive} holds more than one {path.name}")
+                        target.parent.mkdir(exist_ok=True)
+                        with content.open(entry) as read, target.open("wb") as write:
+                            shutil.copyfileobj(read, write)
+                        count += 1
+            except zipfile.BadZipFile as error:
+                raise MeshError(f"{archive} is no zip archive: remove it to download it again") from error
+            if not count:
+                raise MeshError(f"{archive} holds no {' or '.join(folders)} files")
+        if root.is_dir():
+            shutil.rmtree(root)
+        made.rename(root)
