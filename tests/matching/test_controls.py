@@ -1,0 +1,196 @@
+"""Controls: what must not be found, or not be sure, and beside each the nearest case that must."""
+
+from __future__ import annotations
+
+import functools
+from pathlib import Path
+
+import igl
+import numpy as np
+import pymeshlab
+import pytest
+from shapes import blob, icosphere, torus
+
+from qgeo_filters.evaluation.errors import geodesic_error
+from qgeo_filters.matching.correspondence import match
+from qgeo_filters.matching.descriptor import Descriptor
+from qgeo_filters.matching.symmetry import self_symmetry
+from qgeo_filters.surface import Surface
+
+UNSURE = pytest.mark.xfail(reason="match is sure of it, see the negative controls in benchmarks/README.md")
+
+Mesh = tuple[np.ndarray, np.ndarray]
+
+COW = Path(pymeshlab.__file__).parent / "tests" / "sample_meshes" / "cow.obj"
+# The cow's plane of symmetry is x = 0.
+MIRROR = np.array([-1, 1, 1])
+
+
+def limbed(directions: np.ndarray, lengths: tuple[float, ...]) -> Mesh:
+    """A round body of 642 vertices with a limb of a given length in each direction."""
+    vertices, faces = icosphere(3)
+    radius = np.full(len(vertices), 0.6)
+    for direction, length in zip(directions, lengths, strict=True):
+        radius += length * np.exp(12 * (vertices @ (direction / np.linalg.norm(direction)) - 1))
+    return vertices * radius[:, None], faces
+
+
+def crooked(seed: int) -> Mesh:
+    """A body with five unequal limbs in random directions: no left and right."""
+    return limbed(np.random.default_rng(seed).normal(size=(5, 3)), (1.3, 1.0, 0.8, 0.6, 0.5))
+
+
+def creature(left: float = 1.2) -> Mesh:
+    """A body with head, tail and two pairs of limbs, mirrored in x = 0 unless ``left``, a length, is not 1.2."""
+    directions = [(0.6, 0.7, -0.6), (-0.6, 0.7, -0.6), (0.6, -0.7, -0.6), (-0.6, -0.7, -0.6), (0, 1, 0.4), (0, -1, 0.2)]
+    return limbed(np.array(directions), (1.2, left, 0.9, 0.9, 0.8, 0.5))
+
+
+def bent(mesh: Mesh, amount: float = 0.15) -> Mesh:
+    """The shape bent about the x axis and then about a slanting one, so that no plane mirrors it."""
+    vertices, faces = mesh
+    for axes in ((0, 1, 2), (2, 0, 1)):
+        still, along, across = vertices[:, axes].T
+        angle = amount * along
+        turned = [still, along * np.cos(angle) - across * np.sin(angle), along * np.sin(angle) + across * np.cos(angle)]
+        vertices = np.column_stack(turned)[:, np.argsort(axes)]
+    return vertices, faces
+
+
+def reflected(mesh: Mesh) -> Mesh:
+    """Its mirror image, faces turned over so that they look outwards again."""
+    return mesh[0] * MIRROR, mesh[1][:, ::-1]
+
+
+def turned(mesh: Mesh, seed: int = 0) -> Mesh:
+    """The same shape with its vertices in another order and in another place."""
+    vertices, faces = mesh
+    random = np.random.default_rng(seed)
+    order = random.permutation(len(vertices))
+    turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
+    return 3 * vertices[order] @ (turn * np.linalg.det(turn)).T, np.argsort(order)[faces]
+
+
+def ellipsoid(*axes: float) -> Mesh:
+    """An ellipsoid of 642 vertices."""
+    vertices, faces = icosphere(3)
+    return vertices * axes, faces
+
+
+@functools.cache
+def described(seed: int) -> Descriptor:
+    return Descriptor(Surface(*crooked(seed)))
+
+
+@functools.cache
+def cow() -> Surface:
+    """PyMeshLab's cow with a third of its vertices."""
+    vertices, faces = igl.read_triangle_mesh(str(COW))
+    vertices, faces, _, _ = igl.qslim(np.asfortranarray(vertices), np.asfortranarray(faces.astype(np.int32)), 1900)
+    return Surface(vertices, faces)
+
+
+def assert_none(surface: Surface | Descriptor, reason: str) -> None:
+    found = self_symmetry(surface)
+    assert not found.found
+    assert reason in found.reason
+    assert np.array_equal(found.p2p, np.arange(len(found.p2p)))
+    assert not found.side.any()
+    assert not found.fixed.any()
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_creature_without_left_and_right_has_no_symmetry(seed: int) -> None:
+    assert_none(described(seed), "")
+
+
+@pytest.mark.parametrize("seed", [2, 4, 6, 7])
+def test_a_smooth_blob_without_left_and_right_has_no_symmetry(seed: int) -> None:
+    """Of the first ten, those that are farthest (.0135 sqrt(area), root mean square) from any mirror image."""
+    assert_none(Surface(*blob(3, seed)), "")
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [icosphere(3), torus(32, 16), ellipsoid(1, 0.6, 0.6), ellipsoid(1, 0.7, 0.5)],
+    ids=["sphere", "torus", "spheroid", "ellipsoid"],
+)
+def test_of_many_reflections_none_is_singled_out(mesh: Mesh) -> None:
+    assert_none(Surface(*mesh), "family of symmetries")
+
+
+def test_a_limb_of_half_the_length_ends_the_symmetry() -> None:
+    assert_none(Surface(*creature(left=0.5)), "")
+
+
+def test_bending_does_not_end_the_symmetry() -> None:
+    """No plane mirrors the bent creature, but distances on it hardly know."""
+    vertices, faces = creature()
+    surface = Surface(*bent((vertices, faces)))
+    found = self_symmetry(surface)
+    assert found.found, found.reason
+    mirror = np.linalg.norm(vertices[:, None] - vertices * MIRROR, axis=2).argmin(axis=1)
+    assert geodesic_error(found.nearest, mirror, surface).mean() < 0.03
+    assert np.array_equal(found.p2p[found.p2p], np.arange(len(vertices)))
+
+
+def test_the_cow_is_symmetric() -> None:
+    surface = cow()
+    found = self_symmetry(surface)
+    assert found.found, found.reason
+    v = surface.vertices
+    gaps = np.linalg.norm(v[found.nearest] - v * MIRROR, axis=1) / np.sqrt(surface.area)
+    # The two sides have other vertices: even the vertex nearest to a mirror point is .008 away.
+    assert gaps.mean() < 0.015
+    away = np.abs(v[:, 0]) > 0.05 * np.sqrt(surface.area)
+    assert abs((np.sign(v[away, 0]) * found.side[away]).mean()) > 0.97
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_mirror_image_is_matched_as_one_and_said_to_be_one(seed: int) -> None:
+    found = match(described(seed), Surface(*reflected(crooked(seed))))
+    assert not found.confident
+    assert "mirror image" in found.explanation
+    assert found.orientation < -0.6
+    assert (found.p2p == np.arange(len(found.p2p))).mean() > 0.99
+
+
+@pytest.mark.parametrize(("one", "other"), [(0, 1), pytest.param(1, 2, marks=UNSURE)])
+def test_different_creatures_are_not_matched_with_confidence(one: int, other: int) -> None:
+    found = match(described(one), described(other))
+    assert not found.confident
+    assert found.explanation
+
+
+def test_a_blob_and_another_and_a_torus_are_not_matched_with_confidence() -> None:
+    shape = Descriptor(Surface(*blob(3, 0)))
+    assert not match(shape, Surface(*blob(3, 1))).confident
+    assert not match(shape, Surface(*torus(32, 16))).confident
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_bent_copy_is_matched_with_confidence_and_right(seed: int) -> None:
+    mesh = bent(crooked(seed))
+    found = match(described(seed), Surface(*mesh))
+    assert found.confident, found.explanation
+    assert found.orientation > 0.6
+    assert geodesic_error(found.p2p, np.arange(len(mesh[0])), Surface(*mesh)).mean() < 0.02
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [pytest.param(icosphere(3), marks=UNSURE), pytest.param(torus(32, 16), marks=UNSURE), ellipsoid(1, 0.7, 0.5)],
+    ids=["sphere", "torus", "ellipsoid"],
+)
+def test_what_turns_onto_itself_is_not_matched_to_itself_with_confidence(mesh: Mesh) -> None:
+    """Every rotation of it is as good a map as the identity."""
+    found = match(Surface(*mesh), Surface(*mesh))
+    assert not found.confident
+    assert "more than one way" in found.explanation
+
+
+@pytest.mark.parametrize("mesh", [icosphere(3), torus(32, 16)], ids=["sphere", "torus"])
+def test_what_turns_onto_itself_is_not_matched_to_a_turned_copy_with_confidence(mesh: Mesh) -> None:
+    found = match(Surface(*mesh), Surface(*turned(mesh)))
+    assert not found.confident
+    assert "more than one way" in found.explanation
