@@ -165,6 +165,9 @@ CHANGES: dict[str, Change] = {
     "short circuit": short_circuited,
 }
 
+#: Those that should not change the map at all.
+INVARIANT = ("scale x 100", "rotated and moved", "shuffled")
+
 
 def _whole(y: qg.Surface, surface: qg.Surface, origin: np.ndarray, note: str = "") -> Changed:
     return Changed(surface, origin, np.ones(y.n_vertices, dtype=bool), note)

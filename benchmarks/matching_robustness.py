@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from geodesics_common import cpu, machine
-from matching_changes import CHANGES, Changed
+from matching_changes import CHANGES, INVARIANT, Changed
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import ErrorSummary, ToscaRemeshed, symmetric_errors
@@ -24,12 +24,13 @@ from qgeo_filters.evaluation import ErrorSummary, ToscaRemeshed, symmetric_error
 WRONG = 0.1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Cell:
-    """One match."""
+    """One match: for the table, for the log, and the image of each vertex of X on Y before the change."""
 
     text: str
     comment: str
+    images: np.ndarray | None = None
 
 
 def measured(x: qg.Descriptor, y: qg.Surface, changed: Changed, truth: np.ndarray, mirror: np.ndarray) -> Cell:
@@ -53,7 +54,8 @@ def measured(x: qg.Descriptor, y: qg.Surface, changed: Changed, truth: np.ndarra
         text += ", mirrored"
     if found.confident and summary.mean > WRONG:
         text += ", **wrongly sure**"
-    return Cell(text, f"{found.explanation}; margin {found.margin:.2f}, {seconds:.1f} CPU s; {changed.note}")
+    comment = f"{found.explanation}; margin {found.margin:.2f}, {seconds:.1f} CPU s; {changed.note}"
+    return Cell(text, comment, changed.origin[found.p2p])
 
 
 def main() -> None:
@@ -69,13 +71,18 @@ def main() -> None:
         one, other = pair.split("-")
         x, y = qg.Descriptor(data.read(one)), data.read(other)
         truth, mirror = data.truth(one, other).images, data.symmetry(other).images
+        first = None
         for seed, (name, change) in enumerate(CHANGES.items()):
             if name not in table:
                 continue
             changed = change(y, np.random.default_rng(seed))
             cell = measured(x, y, changed, truth, mirror)
-            table[name].append(cell.text)
-            print(f"<!-- {pair}, {name}: {cell.text}; {cell.comment} -->", flush=True)
+            first = cell.images if name == "unchanged" else first
+            text = cell.text
+            if name in INVARIANT and first is not None and cell.images is not None:
+                text += f", {100 * (cell.images == first).mean():.1f} % the same"
+            table[name].append(text)
+            print(f"<!-- {pair}, {name}: {text}; {cell.comment} -->", flush=True)
     print(f"\n{machine()}\n\n| change of Y | " + " | ".join(arguments.pairs) + " |")
     print("|---|" + "---|" * len(arguments.pairs))
     for name, cells in table.items():
