@@ -41,6 +41,7 @@ _HOME = {
     "self_symmetry": "matching.symmetry",
     "match": "matching.correspondence",
     "Descriptor": "matching.descriptor",
+    "barycentric_map": "matching.barycentric",
     "commutative_eigenspectra": "spectral.commutative",
     "commutator_norm": "spectral.commutative",
     "joint_diagonalizer": "spectral.commutative",

@@ -41,7 +41,8 @@ def match(
     """Find the vertex of Y for each vertex of X: two shapes that bend into each other, no initial map.
 
     result.npz: p2p (n_X,), score, runner_up, inverse (n_Y,), functional_map (20, 20), distortion (n_X,),
-    regions_x (n_X,), regions_y (n_Y,), and errors (n_X,) with --truth.
+    regions_x (n_X,), regions_y (n_Y,), corners (n_X, 3) and barycentric (n_X, 3), the vertices of a triangle of Y and
+    the place within it, finer than p2p, and errors (n_X,) with --truth.
     """
     import numpy as np
 
@@ -71,6 +72,8 @@ def match(
         "distortion": found.distortion,
         "regions_x": found.regions_x,
         "regions_y": found.regions_y,
+        "corners": found.barycentric.corners,
+        "barycentric": found.barycentric.coordinates,
     }
     attributes: dict[str, np.ndarray] = {
         "qgeo_correspondence": found.p2p.astype(np.int32),

@@ -1,4 +1,4 @@
-"""TransferAttributes: values of one mesh on another that lies on the same surface."""
+"""TransferAttributes: values of one mesh on another, on the same surface or in another pose."""
 
 from __future__ import annotations
 
@@ -9,35 +9,45 @@ import igl
 import numpy as np
 
 from qgeo_filters.errors import MeshError
+from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter, registered
 from qgeo_filters.interop import as_surface
+from qgeo_filters.matching.barycentric import BarycentricMap, nearest_in_triangles
+from qgeo_filters.matching.correspondence import Correspondence as MatchResult
 from qgeo_filters.surface import Surface
 
 
 @registered
 class TransferAttributes(Filter):
-    """Adds the attributes of another mesh, from the closest point on it, interpolated within its triangle.
+    """Adds the attributes of another mesh: from the closest point on it, or from the corresponding one.
 
-    For after remeshing or simplification, where hosts drop or garble their attributes: keep the mesh from
-    before and transfer from it.
+    By closest points for after remeshing or simplification, where hosts drop or garble their attributes: keep the mesh
+    from before and transfer from it. Along a correspondence for what was drawn or measured on another pose.
 
     Parameters
     ----------
     source : mesh of any kind, or path
-        Where the attributes come from; both meshes in one frame.
+        Where the attributes come from; without a correspondence, both meshes in one frame.
     names : sequence of str, optional
         Attributes to transfer; all of the source by default.
+    correspondence : bool, or result of `match`
+        Whether to take the corresponding point instead of the closest: True finds the map from the mesh to the source
+        as the `Correspondence` filter does (and together with it only once); a result of ``match(mesh, source)`` is
+        taken as it is.
 
     Notes
     -----
-    Floating-point values are interpolated. Whole numbers (labels, indices) and booleans are taken from the
-    nearest corner instead, since an interpolated label means nothing. Vertex indices stay indices of the
+    Floating-point values are interpolated within the triangle. Whole numbers (labels, indices) and booleans are taken
+    from the nearest corner instead, since an interpolated label means nothing. Vertex indices stay indices of the
     source.
     """
 
-    def __init__(self, source: Any = None, names: Sequence[str] | None = None) -> None:
+    def __init__(
+        self, source: Any = None, names: Sequence[str] | None = None, correspondence: bool | MatchResult = False
+    ) -> None:
         self.source = source
         self.names = names
+        self.correspondence = correspondence
 
     @property
     def outputs(self) -> Mapping[str, str]:  # type: ignore[override]
@@ -58,26 +68,31 @@ class TransferAttributes(Filter):
             raise ValueError("TransferAttributes needs a source mesh: TransferAttributes(source=mesh)")
         source = as_surface(self.source)
         names = self._wanted(source)
-        # libigl's tree compares with absolute tolerances: give it a surface of unit size.
-        centre, unit = source.vertices.mean(axis=0), np.sqrt(source.area) or 1.0
-        vertices = (source.vertices - centre) / unit
-        faces = source.faces.astype(np.int64)
-        _, face, closest = igl.point_mesh_squared_distance((surface.vertices - centre) / unit, vertices, faces)
-        corners = source.faces[face]
-        a, b, c = (vertices[corners[:, k]] for k in range(3))
-        barycentric = np.clip(igl.barycentric_coordinates(closest, a, b, c), 0, 1)
-        # A triangle without area has no barycentric coordinates: the nearest corner it is.
-        gaps = np.stack([np.linalg.norm(closest - corner, axis=1) for corner in (a, b, c)], axis=1)
-        nearest = np.eye(3)[gaps.argmin(axis=1)]
-        bad = ~np.isfinite(barycentric).all(axis=1)
-        barycentric[bad] = nearest[bad]
-        barycentric /= barycentric.sum(axis=1, keepdims=True)
-        nearest_corner = np.take_along_axis(corners, barycentric.argmax(axis=1)[:, None], axis=1)[:, 0]
-        result = {}
-        for name in names:
-            values = source.attributes[name]
-            if values.dtype.kind == "f":
-                result[name] = np.einsum("ij,ij...->i...", barycentric, values[corners])
-            else:
-                result[name] = values[nearest_corner]
-        return result
+        place = self._place(surface, source, progress)
+        return {name: place.pulled_back(source.attributes[name]) for name in names}
+
+    def _place(self, surface: Surface, source: Surface, progress: bool) -> BarycentricMap:
+        """Point of the source for each vertex."""
+        if self.correspondence is False:
+            return closest_points(surface, source)
+        if self.correspondence is True:
+            return stages.correspondence_of(surface, source, True, progress).barycentric
+        place = self.correspondence.barycentric
+        if len(place.faces) != surface.n_vertices or place.faces.max() >= source.n_faces:
+            raise MeshError(
+                f"the correspondence maps {len(place.faces)} vertices to triangles up to {place.faces.max()}, but the "
+                f"mesh has {surface.n_vertices} vertices and the source {source.n_faces} triangles"
+            )
+        return place
+
+
+def closest_points(surface: Surface, source: Surface) -> BarycentricMap:
+    """Point of the source that is closest in space to each vertex of the surface."""
+    # libigl's tree compares with absolute tolerances: give it a surface of unit size.
+    centre, unit = source.vertices.mean(axis=0), np.sqrt(source.area) or 1.0
+    vertices = (source.vertices - centre) / unit
+    faces = source.faces.astype(np.int64)
+    points = (surface.vertices - centre) / unit
+    _, face, _ = igl.point_mesh_squared_distance(points, vertices, faces)
+    coordinates, _ = nearest_in_triangles(points, vertices[faces[face]])
+    return BarycentricMap(face.astype(np.int64), faces[face], coordinates)

@@ -8,9 +8,10 @@ import numpy as np
 import numpy.typing as npt
 from tqdm.auto import tqdm
 
-from qgeo_filters.matching.candidates import Candidate, Contender, candidate, candidates, contenders
+from qgeo_filters.matching.barycentric import BarycentricMap, barycentric_map
+from qgeo_filters.matching.candidates import Candidate, candidate, candidates
+from qgeo_filters.matching.contenders import Decision, decided
 from qgeo_filters.matching.descriptor import Descriptor, check_same_size
-from qgeo_filters.matching.finish import Finished, finished
 from qgeo_filters.matching.orientation import orientation
 from qgeo_filters.matching.refine import functional_map
 from qgeo_filters.matching.regions import eigenfunction_regions
@@ -64,6 +65,8 @@ class Correspondence:
         Regions of equal number on both shapes, see `eigenfunction_regions`.
     positions : (n_x, 3) float64
         X deformed onto Y, in Y's frame and unit.
+    barycentric : BarycentricMap
+        Point within a triangle of Y for each vertex of X: that nearest to its position, near its vertex.
     """
 
     p2p: IndexArray
@@ -80,6 +83,7 @@ class Correspondence:
     regions_x: npt.NDArray[np.int32]
     regions_y: npt.NDArray[np.int32]
     positions: FloatArray
+    barycentric: BarycentricMap
 
 
 def match(
@@ -112,30 +116,26 @@ def match(
     Notes
     -----
     Coarse maps come from all choices of signs of the first eigenfunctions of the distances, in several metrics
-    (`search`) and are grown by spectral upsampling. A shape with
-    a left and a right has a mirrored twin of every good map, which keeps distances as well: the twin of
-    each map that turns the surface inside out is made by the self-symmetry, and only maps that keep the
-    orientation compete: the best is the one along which X deforms with the least strain, tearing and folding
-    (`contenders`).
-    The best is finished on all vertices (`finished`). The result does not depend on the signs and
-    order that a solver returns, nor on position and size.
+    (`search`), grown by spectral upsampling, and from likely matchings of the ends of limbs (`extremity_maps`). A
+    shape with a left and a right has a mirrored twin of every good map, which keeps distances as well: the twin of
+    each map that turns the surface inside out is made by the self-symmetry, and only maps that keep the orientation
+    compete. The best is the one along which X deforms with the least strain, tearing and folding (`decided`), and is
+    finished on all vertices (`finished`). The result does not depend on the signs and order that a solver returns, nor
+    on position and size.
     """
     a, b = Descriptor.of(x, progress), Descriptor.of(y, progress)
     if not normalize:
         check_same_size(a.surface, b.surface)
-    with tqdm(total=5, desc="describe X", disable=not progress) as bar:
+    with tqdm(total=4, desc="describe X", disable=not progress) as bar:
         a.prepared()
         _next(bar, "describe Y")
         b.prepared()
         _next(bar, "search")
         pool, mirrored = _competing(a, b)
         _next(bar, "try")
-        target = b.mirrored if mirrored else b
-        ranked = contenders(a, target, pool)
-        _next(bar, "finish")
-        result = finished(a, target, ranked[0].p2p)
+        decision = decided(a, b.mirrored if mirrored else b, pool)
         _next(bar, "matched")
-    return _described(a, b, result, ranked, mirrored)
+    return _described(a, b, decision, mirrored)
 
 
 def _next(bar: tqdm, stage: str) -> None:
@@ -161,22 +161,20 @@ def _competing(x: Descriptor, y: Descriptor) -> tuple[list[Candidate], bool]:
     return (reversing if mirrored else kept), mirrored
 
 
-def _described(
-    x: Descriptor, y: Descriptor, result: Finished, ranked: list[Contender], mirrored: bool
-) -> Correspondence:
+def _described(x: Descriptor, y: Descriptor, decision: Decision, mirrored: bool) -> Correspondence:
+    result, margin = decision.result, decision.margin
     p2p = result.p2p
     probes = x.samples[:_PROBES]
     there = y.distances(p2p[probes])
     distortion = np.abs(x.rows[: len(probes)] - there[:, p2p]).mean(axis=0, dtype=np.float64)
     score = float(x.areas @ distortion)
     turned = orientation(x.unit, y.unit, p2p)
-    runner_up = ranked[1].distortion if len(ranked) > 1 else float("inf")
-    margin = ranked[1].cost / ranked[0].cost if len(ranked) > 1 else float("inf")
     confident, explanation = _verdict(score, margin, turned, mirrored)
     spectrum_x, spectrum_y = x.views[-1].spectrum, y.views[-1].spectrum
     phi_x, phi_y = spectrum_x.eigenfunctions, spectrum_y.eigenfunctions
     flip = np.array([-1.0, 1.0, 1.0]) if mirrored else 1.0
     centre = y.surface.vertex_areas @ y.surface.vertices / y.surface.area
+    positions = result.positions * flip * y.scale + centre
     regions_x, regions_y = eigenfunction_regions(phi_x, phi_y, p2p, x.areas)
     return Correspondence(
         p2p=frozen(p2p),
@@ -185,14 +183,15 @@ def _described(
         c_xy=commutative_eigenspectra(spectrum_x, spectrum_y, p2p).c_xy,
         distortion=frozen(distortion),
         score=score,
-        runner_up=runner_up,
+        runner_up=decision.runner_up,
         margin=margin,
         orientation=turned,
         confident=confident,
         explanation=explanation,
         regions_x=frozen(regions_x),
         regions_y=frozen(regions_y),
-        positions=frozen(result.positions * flip * y.scale + centre),
+        positions=frozen(positions),
+        barycentric=barycentric_map(positions, p2p, y.surface),
     )
 
 

@@ -153,6 +153,26 @@ def test_transfer_is_exact_for_linear_functions_on_flat_triangles() -> None:
     assert np.array_equal(result.attributes["label"], nearest % 3)
 
 
+def test_transfer_along_a_correspondence() -> None:
+    """From a turned copy with its vertices in another order: closest points in space would mean nothing."""
+    target = sample_surface()
+    order = np.random.default_rng(1).permutation(target.n_vertices)
+    turned = target.vertices[order] @ np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]])
+    height = target.vertices[order, 2]
+    attributes = {"height": height, "label": (height > 0).astype(int)}
+    source = qg.Surface(turned, np.argsort(order)[target.faces], attributes)
+    found = qg.Correspondence(target=source)
+    result = (found | qg.TransferAttributes(source, correspondence=True))(target)
+    reach = np.ptp(target.vertices[:, 2])
+    assert np.abs(result.attributes["height"] - target.vertices[:, 2]).mean() < 0.02 * reach
+    assert (result.attributes["label"] == (target.vertices[:, 2] > 0)).mean() > 0.95
+    given = qg.TransferAttributes(source, ["height"], correspondence=found.correspondence_)(target)
+    assert np.array_equal(given.attributes["height"], result.attributes["height"])
+    assert "label" not in given.attributes
+    with pytest.raises(qg.MeshError, match=r"the correspondence maps .* vertices"):
+        qg.TransferAttributes(source, correspondence=found.correspondence_)(qg.Surface(*icosphere(1)))
+
+
 def test_the_path_is_as_long_as_the_distance_and_lies_in_the_marked_triangles() -> None:
     surface = sample_surface()
     filter = qg.QuasiGeodesicPath(start=5, end=120, curvature_weight=0.05)
