@@ -64,13 +64,13 @@ def first_figure(study: Study) -> Part:
 def fifth_figure(study: Study) -> Part:
     """Figure 5: regions of equal value of eq. (3), and the share of the area where mirror images are in one region."""
     names = [study.names(category)[0] for category in study.categories]
-    settings = list(itertools.product(_READINGS, _SUMMED, (0.0, GUIDED)))
+    settings = list(itertools.product(_READINGS, _SUMMED, study.gentle))
     shares: dict[tuple[Reading, int, float], list[float]] = {}
     pictures = []
     for reading, count, weight in settings:
         regions = {n: symmetry_regions(study.spectrum(n, weight), BANDS, k0=count, reading=reading) for n in names}
         here = shares[reading, count, weight] = [_symmetric_share(study, n, regions[n]) for n in names]
-        if weight > 0:
+        if weight == GUIDED:
             caption = (
                 f"Figure 5: {BANDS} regions of equal area by the {reading} sum of {count} eigenfunctions, eq. (3), "
                 f"weight {weight:g}, from two sides; with the share of the area whose mirror image is in the same one."
@@ -78,7 +78,7 @@ def fifth_figure(study: Study) -> Part:
             pictures.append(
                 _picture(
                     study,
-                    f"figure5-{reading}-{count}-{'-'.join(names)}",
+                    f"figure5-{reading}-{count}-{weight:g}-{'-'.join(names)}",
                     caption,
                     _both_sides,
                     study,
@@ -124,7 +124,9 @@ def sixth_figure(study: Study) -> Part:
             "nearest neighbours with and without the vertex order, and by match."
         )
         here = {method: values[-1] for method, values in shares.items()}
-        pictures.append(_picture(study, f"figure6-{x}-{y}", caption, _regions, study, (x, y), regions_x, carried, here))
+        pictures.append(
+            _picture(study, f"figure6-{x}-{y}-{GUIDED:g}", caption, _regions, study, (x, y), regions_x, carried, here)
+        )
     claims = []
     for method, label in zip(methods, (GIVEN, NOT_GIVEN, "match"), strict=True):
         low, mean = min(shares[method]), float(np.mean(shares[method]))

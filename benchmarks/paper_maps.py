@@ -20,7 +20,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from paper_study import FUNCTIONS, GUIDED, Arrays, Claim, Part, Study, metric_label
+from paper_study import FUNCTIONS, Arrays, Claim, Part, Study, metric_label
 
 from qgeo_filters.evaluation import error_curve, symmetric_errors
 from qgeo_filters.matching.correspondence import match
@@ -72,7 +72,7 @@ class Method:
 
 def methods(study: Study) -> list[Method]:
     """The paper's way in each metric and reading, and ours."""
-    return [*(Method(w, r) for w in study.weights if w <= GUIDED for r in (GIVEN, NOT_GIVEN)), Method()]
+    return [*(Method(w, r) for w in study.gentle for r in (GIVEN, NOT_GIVEN)), Method()]
 
 
 def third_table(study: Study) -> Part:
@@ -145,13 +145,13 @@ def _claims(found: dict[Method, list[Arrays]]) -> list[Claim]:
     pooled = {method: np.concatenate([result["direct"] for result in results]) for method, results in found.items()}
     within = {method: 100 * float(error_curve(errors, (0.27,))[0]) for method, errors in pooled.items()}
     means = {method: float(np.mean([r["direct"].mean() for r in results])) for method, results in found.items()}
-    guided = [method for method in found if method.weight == GUIDED]
+    guided = [method for method in found if method.weight > 0]
     claims = []
     for method in guided:
         value = within[method]
         claims.append(
             Claim(
-                f"Table 3: the guided metric's map has 94.55 % of the points within .27 ({method.reading})",
+                f"Table 3: of the guided metric's map, 94.55 % of the points are within .27 ({_words(method)})",
                 "94.55 %",
                 f"{value:.1f} %",
                 "holds" if value >= 94.5 else "does not hold",
@@ -161,7 +161,7 @@ def _claims(found: dict[Method, list[Arrays]]) -> list[Claim]:
         change = 100 * (means[method] / means[base] - 1)
         claims.append(
             Claim(
-                f"Guidance makes the paper's correspondence better than [47]'s ({method.reading})",
+                f"Guidance makes the paper's correspondence better than [47]'s ({_words(method)})",
                 ".27 at 94.55 % against .15 at ~94 %",
                 f"mean error {means[method]:.3f} against {means[base]:.3f} ({change:+.0f} %)",
                 "holds" if change < 0 else "does not hold",
@@ -181,3 +181,7 @@ def _claims(found: dict[Method, list[Arrays]]) -> list[Claim]:
         )
     )
     return claims
+
+
+def _words(method: Method) -> str:
+    return f"weight {method.weight:g}, {method.reading}"

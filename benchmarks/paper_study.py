@@ -30,8 +30,9 @@ from qgeo_filters.surface import Surface
 TUNING = ("cat", "dog", "centaur")
 #: Eigenfunctions that are paired, as in the paper, and those beyond among which the last ones may find partners.
 FUNCTIONS, SPARE = 20, 5
-#: The weight that stands for the paper's metric where one must; and the scalar.
-GUIDED, SCALAR = 0.03, "mean_curvature"
+#: What stands for the paper's metric where one must, as the paper states neither: weight and scalar of the lowest
+#: C_XY on the tuning categories (paper_metric.py).
+GUIDED, SCALAR = 0.01, "mean_curvature"
 
 Arrays = dict[str, np.ndarray]
 
@@ -120,6 +121,8 @@ class Study:
         self.store = Store(out / "stored")
         self.categories, self.poses = categories, poses
         self.weights, self.scalars, self.scalar_weights = weights, scalars, scalar_weights
+        #: Those at which poses are still alike.
+        self.gentle = tuple(weight for weight in weights if weight <= 0.05)
         self.figures.mkdir(parents=True, exist_ok=True)
         self.surface = cache(self._surface)
         self.distances = lru_cache(2)(self._distances)

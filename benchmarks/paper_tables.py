@@ -37,8 +37,10 @@ def first_table(study: Study) -> Part:
     """Table 1, epsilon of eq. (3), and how well eq. (3) tells mirror images from random pairs."""
     rows, near = [], 0
     for name, printed in TABLE_1.items():
-        values = {w: study.store.value(f"table1/{name}-{metric_label(w)}", _lazy_table_1(study, name, w))
-                  for w in (0.0, GUIDED)}  # fmt: skip
+        values = {
+            w: study.store.value(f"table1/{name}-{metric_label(w)}", _lazy_table_1(study, name, w))
+            for w in (0.0, GUIDED)
+        }
         n = values[0.0]["n"]
         by_count = float(np.sqrt(8 / n))
         near += abs(printed / by_count - 1) < 0.005
@@ -64,7 +66,7 @@ def first_table(study: Study) -> Part:
         (category, w): study.store.value(
             f"table1/ratio-{study.names(category)[0]}-{metric_label(w)}", _lazy_ratios(study, category, w)
         )
-        for category, w in itertools.product(study.categories, (0.0, GUIDED))
+        for category, w in itertools.product(study.categories, study.gentle)
     }
     lines = [(study.names(c)[0], f"{w:g}", *(f"{r:.2f}" for r in found)) for (c, w), found in ratios.items()]
     note = "0: eq. (3) holds for mirror images; 1: they differ as much as random points. Readings: `symmetry_measure`."
