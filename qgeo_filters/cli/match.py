@@ -139,6 +139,7 @@ def match_results(found: Correspondence) -> dict[str, Any]:
         "runner_up": found.runner_up,
         "margin": found.margin,
         "orientation": found.orientation,
+        "likeness": found.likeness,
         "c_xy": found.c_xy,
         "vertices_of_y_reached": len(np.unique(found.p2p)),
     }

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.matching.descriptor import Descriptor
-from qgeo_filters.matching.refine import nearest, nearest_both, upsampled
+from qgeo_filters.matching.refine import functional_map, nearest, nearest_both, upsampled
 from qgeo_filters.matching.search import Hypothesis
 
 FloatArray = npt.NDArray[np.float64]
@@ -18,8 +18,8 @@ IndexArray = npt.NDArray[np.int64]
 # Farthest points on which the eigenfunctions of the distances are brought together.
 _GROWTH_POINTS = 800
 _GROWTH_STEP = 5
-# Farthest points that are matched while the basis is still too small to tell vertices apart.
-_COARSE_BASIS = 100
+# Eigenfunctions of the Laplacian that carry a map of farthest points to all vertices.
+_SPREAD = 20
 
 
 @dataclass(frozen=True)
@@ -34,25 +34,33 @@ class Pass:
         Length, in sqrt(area), below which the deformed shape does not follow the map, at the first and last size.
     normals : float
         Weight of normals against positions.
+    turns : int
+        Turns of the deformation for each matching.
+    full : int
+        Number of eigenfunctions from which on all vertices are matched, not only farthest points: fewer cannot tell
+        vertices apart. At the very end all are, always.
     """
 
     sizes: tuple[int, ...]
     first: float
     last: float
     normals: float
+    turns: int = 3
+    full: int = 1000
 
 
-#: What was best on the tuning categories (see benchmarks/README.md).
-PASSES = (
-    Pass((20, 30, 45, 65, 90, 120, 160, 200), 0.05, 0.02, 0.15),
-    Pass((20, 30, 45, 65, 90, 120, 160, 200), 0.03, 0.015, 0.07),
-)
+_SIZES = (20, 30, 45, 65, 90, 120, 160, 200)
+#: What was best on the tuning categories (see benchmarks/README.md): from a trial to where the cost tells, and on to
+#: the end.
+SETTLING = (Pass((20, 20, 30), 0.15, 0.08, 0.03, turns=6), Pass(_SIZES, 0.05, 0.02, 0.07))
+ENDING = (Pass(_SIZES, 0.03, 0.015, 0.03, full=90),)
 #: Enough to tell which of several maps is right.
-TRIAL = (Pass((20, 30, 45, 65), 0.05, 0.03, 0.15),)
-# Matchings at each size, and turns of the deformation for each.
+TRIAL = (Pass((20, 30, 45), 0.05, 0.035, 0.07),)
+# Matchings at each size.
 _MATCHINGS = 2
-_TURNS = 3
 _FIRST_TURNS = 8
+# Farthest points that are matched before all vertices are.
+_COARSE = 1500
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,14 +90,21 @@ def grown(x: Descriptor, y: Descriptor, hypothesis: Hypothesis) -> IndexArray:
     width = min(phi_x.shape[1], phi_y.shape[1])
     start = min(20, width)
     coarse = upsampled(phi_x, phi_y, hypothesis.p2p, hypothesis.points, [start])
-    points = x.samples[:_GROWTH_POINTS]
-    images = nearest(phi_x[points, :start] @ coarse, phi_y[:, :start])
-    functional = upsampled(phi_x, phi_y, images, points, range(start, width + 1, _GROWTH_STEP))
+    points, others = x.samples[:_GROWTH_POINTS], phi_y[y.samples]
+    images = nearest(phi_x[points, :start] @ coarse, others[:, :start])
+    functional = upsampled(phi_x, others, images, points, range(start, width + 1, _GROWTH_STEP))
     k = len(functional)
     return nearest(phi_x[:, :k] @ functional, phi_y[:, :k])
 
 
-def finished(x: Descriptor, y: Descriptor, p2p: IndexArray, passes: tuple[Pass, ...] = PASSES) -> Finished:
+def spread(x: Descriptor, y: Descriptor, hypothesis: Hypothesis) -> IndexArray:
+    """Map (n_x,) between all vertices by the first eigenfunctions of the Laplacian."""
+    points = hypothesis.points
+    left, right = x.laplacian[:, :_SPREAD], y.laplacian[:, :_SPREAD]
+    return nearest(left @ functional_map(left[points], right, hypothesis.p2p), right)
+
+
+def finished(x: Descriptor, y: Descriptor, p2p: IndexArray, passes: tuple[Pass, ...] = SETTLING + ENDING) -> Finished:
     r"""Map between all vertices from one that is right in the large.
 
     From low to high frequencies, each vertex of X is matched with the vertex of Y that is nearest in three things
@@ -109,7 +124,9 @@ def finished(x: Descriptor, y: Descriptor, p2p: IndexArray, passes: tuple[Pass, 
         sizes = [k for k in stage.sizes if k <= min(x.laplacian.shape[1], y.laplacian.shape[1])]
         for step, k in enumerate(sizes):
             length = stage.first * (stage.last / stage.first) ** (step / max(len(sizes) - 1, 1))
-            state.advance(k, length, stage.normals, fresh=step == 0, last=number == len(passes) - 1 and k == sizes[-1])
+            final = number == len(passes) - 1
+            coarse = k < stage.full and not (final and k == sizes[-1])
+            state.advance(k, length, stage, fresh=step == 0, coarse=coarse)
     return Finished(state.forth, state.back, state.positions, *state.embeddings)
 
 
@@ -123,9 +140,8 @@ class _State:
         self.positions = np.zeros((0, 3))
         self.embeddings: tuple[SingleArray, SingleArray] = (np.zeros((0, 0), np.float32),) * 2
 
-    def advance(self, k: int, length: float, normals: float, *, fresh: bool, last: bool) -> None:
+    def advance(self, k: int, length: float, stage: Pass, *, fresh: bool, coarse: bool) -> None:
         """Deform and match again with k eigenfunctions."""
-        coarse = k < _COARSE_BASIS and not last
         x, y = self.x, self.y
         for _ in range(_MATCHINGS):
             functional = self._functional(k)
@@ -135,16 +151,16 @@ class _State:
             first = not len(self.positions)
             if first:
                 self.positions = targets if mass.all() else y.unit.vertices[self.forth]
-            for _turn in range(_FIRST_TURNS if first else _TURNS):
+            for _turn in range(max(stage.turns, _FIRST_TURNS if first else 0)):
                 self.positions = x.rigidity.step(solve, pull, self.positions, targets, 3 if fresh else 1)
             # Eigenfunctions weigh as coordinates do: their sum over k is about k / area.
             weight = 1 / (k * np.sqrt(np.pi))
             deformed = x.unit.with_vertices(self.positions)
-            left = [weight * (x.laplacian[:, :k] @ functional), self.positions, normals * deformed.vertex_normals]
-            right = [weight * y.laplacian[:, :k], y.unit.vertices, normals * y.normals]
+            left = [weight * (x.laplacian[:, :k] @ functional), self.positions, stage.normals * deformed.vertex_normals]
+            right = [weight * y.laplacian[:, :k], y.unit.vertices, stage.normals * y.normals]
             self.embeddings = np.column_stack(left).astype(np.float32), np.column_stack(right).astype(np.float32)
-            self.points_x = x.samples if coarse else np.arange(x.n_vertices)
-            self.points_y = y.samples if coarse else np.arange(y.n_vertices)
+            self.points_x = x.samples[:_COARSE] if coarse else np.arange(x.n_vertices)
+            self.points_y = y.samples[:_COARSE] if coarse else np.arange(y.n_vertices)
             forth, back = nearest_both(self.embeddings[0][self.points_x], self.embeddings[1][self.points_y])
             self.forth, self.back = self.points_y[forth], self.points_x[back]
 

@@ -21,9 +21,13 @@ _BLOCK = 1024
 def nearest(points: npt.NDArray, others: npt.NDArray) -> IndexArray:
     """Row of others (m, d) nearest to each row of points (..., n, d), shape (..., n); the first of equals."""
     half = 0.5 * np.einsum("ij,ij->i", others, others)
-    similarity = points @ others.T
-    similarity -= half
-    return similarity.argmax(axis=-1)
+    rows = points.reshape(-1, points.shape[-1])
+    result = np.empty(len(rows), dtype=np.int64)
+    for first in range(0, len(rows), _BLOCK):
+        similarity = rows[first : first + _BLOCK] @ others.T
+        similarity -= half
+        result[first : first + _BLOCK] = similarity.argmax(axis=1)
+    return result.reshape(points.shape[:-1])
 
 
 def nearest_both(points: npt.NDArray, others: npt.NDArray) -> tuple[IndexArray, IndexArray]:

@@ -10,6 +10,8 @@ import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from qgeo_filters.matching.deforming import covariances, strain, turned
+
 FloatArray = npt.NDArray[np.float64]
 Solve = Callable[[FloatArray], FloatArray]
 
@@ -38,46 +40,46 @@ class Rigidity:
         n = len(vertices)
         weights = igl.cotmatrix(vertices, faces.astype(np.int64)).tocoo()
         off = weights.row != weights.col
-        self._tail, self._head = weights.row[off].astype(np.int64), weights.col[off].astype(np.int64)
         values = weights.data[off]
-        self._weight = np.maximum(values, _LEAST_WEIGHT * float(np.abs(values).mean()))
-        self._edge = vertices[self._tail] - vertices[self._head]
-        count = len(self._weight)
-        self._gather = sparse.csr_matrix((np.ones(count), (self._tail, np.arange(count))), (n, count))
-        symmetric = sparse.csr_matrix((self._weight, (self._tail, self._head)), (n, n))
+        values = np.maximum(values, _LEAST_WEIGHT * float(np.abs(values).mean()))
+        symmetric = sparse.csr_matrix((values, (weights.row[off], weights.col[off])), (n, n))
+        starts, heads = symmetric.indptr.astype(np.int64), symmetric.indices.astype(np.int64)
+        edges = np.repeat(vertices, np.diff(starts), axis=0) - vertices[heads]
+        self._half_edges = starts, heads, symmetric.data, edges
         self._laplacian = sparse.diags_array(np.asarray(symmetric.sum(axis=1)).ravel()) - symmetric
-        neighbours = sparse.csr_matrix((np.ones(count), (self._tail, self._head)), (n, n)) + sparse.eye_array(n)
-        self._mean = sparse.diags_array(1 / np.asarray(neighbours.sum(axis=1)).ravel()) @ neighbours
+        neighbours = sparse.csr_matrix((np.ones(len(heads)), heads, starts), (n, n)) + sparse.eye_array(n)
+        self._mean = sparse.csr_array(sparse.diags_array(1 / np.asarray(neighbours.sum(axis=1)).ravel()) @ neighbours)
+        self._pull: FloatArray = np.zeros(0)
+        self._solve: Solve | None = None
+
+    def __getstate__(self) -> dict[str, object]:
+        # SuperLU's factors cannot be pickled.
+        return {**self.__dict__, "_pull": np.zeros(0), "_solve": None}
 
     def pulled(self, pull: FloatArray) -> Solve:
         """Solver of the positions for right-hand sides (n, 3); factorised once for the pull s (n,)."""
-        matrix = sparse.csc_matrix(self._laplacian + sparse.diags_array(pull))
-        options = {"SymmetricMode": True}
-        return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options).solve
+        if self._solve is None or not np.array_equal(pull, self._pull):
+            matrix = sparse.csc_matrix(self._laplacian + sparse.diags_array(pull))
+            options = {"SymmetricMode": True}
+            self._pull = pull.copy()
+            self._solve = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options).solve
+        return self._solve
 
     def step(
         self, solve: Solve, pull: FloatArray, positions: FloatArray, targets: FloatArray, smooth: int
     ) -> FloatArray:
         """Positions (n, 3) after one turn: rotations, averaged ``smooth`` times over neighbours, then positions."""
         rotations = self._rotations(positions, smooth)
-        between = 0.5 * (rotations[self._tail] + rotations[self._head])
-        turned = self._weight[:, None] * np.einsum("eab,eb->ea", between, self._edge)
-        return solve(self._gather @ turned + pull[:, None] * targets)
+        return solve(turned(*self._half_edges, rotations) + pull[:, None] * targets)
 
     def strain(self, positions: FloatArray) -> float:
         r"""What is not rigid of a deformation: :math:`\sum_{ij} w_{ij} |p_i - p_j - R_i (x_i - x_j)|^2`."""
-        rotations = self._rotations(positions, 0)
-        turned = np.einsum("eab,eb->ea", rotations[self._tail], self._edge)
-        rest = positions[self._tail] - positions[self._head] - turned
-        return float(self._weight @ np.einsum("ea,ea->e", rest, rest))
+        return strain(*self._half_edges, self._rotations(positions, 0), positions)
 
     def _rotations(self, positions: FloatArray, smooth: int) -> FloatArray:
-        moved = positions[self._tail] - positions[self._head]
-        outer = (self._weight[:, None, None] * moved[:, :, None] * self._edge[:, None, :]).reshape(-1, 9)
-        covariance = self._gather @ outer
+        rows = covariances(*self._half_edges, positions)
         for _ in range(smooth):
-            covariance = self._mean @ covariance
-        u, _, v = np.linalg.svd(covariance.reshape(-1, 3, 3))
-        reflected = np.linalg.det(u @ v) < 0
-        u[reflected, :, 2] *= -1
-        return u @ v
+            rows = np.stack([self._mean @ row for row in rows])
+        # libigl takes the first rows of all matrices, then the second ones, and returns all transposes side by side.
+        rotations: FloatArray = igl.fit_rotations(rows.reshape(-1, 3), True).reshape(3, -1, 3).transpose(1, 2, 0)
+        return np.ascontiguousarray(rotations)

@@ -17,20 +17,22 @@ SingleArray = npt.NDArray[np.float32]
 IndexArray = npt.NDArray[np.int64]
 
 # Eigenfunctions whose signs are enumerated, and at the end of the growth.
-_ENUMERATED = 7
+_ENUMERATED = 8
 _GROWN = 20
 # Farthest points on either shape, enough for functions this smooth.
 _POINTS = 300
 # Neighbouring eigenvalues closer than this, relatively, may come in either order on the other shape.
 _SWAP_GAP = 0.06
 # Hypotheses that are grown, by distortion before the growth, and those that survive its checks.
-_BEAM = 128
+_BEAM = 256
 _SURVIVORS = 24
 _CHECKED_AT = (10, 13)
 #: Two maps whose images are this far apart in the mean, in units of sqrt(area), are different maps.
 DISTINCT = 0.04
-# Maps that move points by less than this in the mean are the identity, or the identity with a limb displaced.
-_NEAR_IDENTITY = 0.1
+# So are two maps that differ by this much in this share of the points, such as the tip of a limb.
+_ELSEWHERE, _LIMB = 0.2, 0.015
+#: Maps that move points by less than this in the mean are the identity, or the identity with a limb displaced.
+NEAR_IDENTITY = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,15 +73,15 @@ def search(x: Descriptor, y: Descriptor, limit: int = 12, *, identity: bool = Tr
     near = x.rows[:s, x.samples[:s]], y.rows[:s, y.samples[:s]]
     found: list[Hypothesis] = []
     for metric, (view_x, view_y) in enumerate(zip(x.views, y.views, strict=False)):
-        for images in _grown_maps(view_x, view_y, x.samples[:s], y.samples[:s]):
-            hypothesis = Hypothesis(x.samples[:s], y.samples[images], _distortion(*near, images), metric)
+        for images in _grown_maps(view_x, view_y, x.samples[:s], y.samples[:s], identity):
+            hypothesis = Hypothesis(x.samples[:s], y.samples[images], point_distortion(*near, images), metric)
             found.append(hypothesis)
     found.sort(key=lambda hypothesis: hypothesis.distortion)
     place = np.zeros(y.n_vertices, dtype=np.int64)
     place[y.samples[:s]] = np.arange(s)
     if not identity:
         moved = [float(near[1][place[hypothesis.p2p], np.arange(s)].mean()) for hypothesis in found]
-        found = [hypothesis for hypothesis, far in zip(found, moved, strict=True) if far > _NEAR_IDENTITY]
+        found = [hypothesis for hypothesis, far in zip(found, moved, strict=True) if far > NEAR_IDENTITY]
     return [found[i] for i in distinct([place[hypothesis.p2p] for hypothesis in found], near[1], limit)]
 
 
@@ -87,11 +89,16 @@ def distinct(maps: list[IndexArray], distances: SingleArray, limit: int) -> list
     """Places of the maps that differ from all kept before them; ``distances[a, b]`` is between images a and b."""
     kept: list[int] = []
     for i, images in enumerate(maps):
-        if all(float(distances[images, maps[j]].mean()) > DISTINCT for j in kept):
+        if all(differ(distances[images, maps[j]]) for j in kept):
             kept.append(i)
             if len(kept) == limit:
                 break
     return kept
+
+
+def differ(between: SingleArray) -> bool:
+    """Whether two maps are different ones, by the distances between their images: in the mean, or in a limb."""
+    return float(between.mean()) > DISTINCT or float((between > _ELSEWHERE).mean()) > _LIMB
 
 
 def orders(values_x: FloatArray, values_y: FloatArray, count: int) -> Iterator[tuple[int, ...]]:
@@ -112,7 +119,9 @@ def orders(values_x: FloatArray, values_y: FloatArray, count: int) -> Iterator[t
             yield tuple(order)
 
 
-def _grown_maps(x: MetricView, y: MetricView, points_x: IndexArray, points_y: IndexArray) -> list[IndexArray]:
+def _grown_maps(
+    x: MetricView, y: MetricView, points_x: IndexArray, points_y: IndexArray, identity: bool
+) -> list[IndexArray]:
     """Maps (s,) into ``points_y`` of the best choices of signs and orders, the least distorting first."""
     phi_x, phi_y = x.eigenfunctions[points_x], y.eigenfunctions[points_y]
     width = min(phi_x.shape[1], phi_y.shape[1], _GROWN)
@@ -127,6 +136,8 @@ def _grown_maps(x: MetricView, y: MetricView, points_x: IndexArray, points_y: In
             for order in orders(x.eigenvalues, y.eigenvalues, start)
         ]
     )
+    if not identity:
+        maps = maps[[displacement(near_y, images) > NEAR_IDENTITY for images in maps]]
     maps = _least_distorting(maps, near_x, near_y, _BEAM)
     for k in range(start + 1, width + 1):
         basis = phi_x[:, :k]
@@ -134,15 +145,22 @@ def _grown_maps(x: MetricView, y: MetricView, points_x: IndexArray, points_y: In
         functional = orthogonal(inverse @ phi_y[maps, :k])
         maps = nearest(basis @ functional, phi_y[:, :k])
         if k in _CHECKED_AT:
+            if not identity:
+                maps = maps[[displacement(near_y, images) > NEAR_IDENTITY for images in maps]]
             maps = _least_distorting(maps, near_x, near_y, max(len(maps) // 3, _SURVIVORS))
     maps = _least_distorting(maps, near_x, near_y, len(maps))
     return [maps[i] for i in distinct(list(maps), near_y, _SURVIVORS)]
 
 
 def _least_distorting(maps: IndexArray, near_x: SingleArray, near_y: SingleArray, count: int) -> IndexArray:
-    values = np.array([_distortion(near_x, near_y, images) for images in maps])
+    values = np.array([point_distortion(near_x, near_y, images) for images in maps])
     return maps[np.argsort(values, kind="stable")[:count]]
 
 
-def _distortion(near_x: SingleArray, near_y: SingleArray, images: IndexArray) -> float:
+def displacement(distances: SingleArray, images: IndexArray) -> float:
+    """Mean distance of a map of a shape to itself from the identity."""
+    return float(distances[images, np.arange(len(images))].mean())
+
+
+def point_distortion(near_x: SingleArray, near_y: SingleArray, images: IndexArray) -> float:
     return float(np.abs(near_x - near_y[images][:, images]).mean())

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters.matching.candidates import candidates, contenders, difference
+from qgeo_filters.matching.candidates import candidates
+from qgeo_filters.matching.contenders import decided
 from qgeo_filters.matching.descriptor import Descriptor
-from qgeo_filters.matching.finish import Finished, finished
+from qgeo_filters.matching.finish import Finished
 from qgeo_filters.matching.involution import paired
+from qgeo_filters.matching.likeness import likeness
 from qgeo_filters.matching.orientation import orientation
 from qgeo_filters.matching.refine import nearest
 from qgeo_filters.matching.symmetry_measure import symmetry_epsilon, symmetry_regions
@@ -28,9 +30,8 @@ _MARGIN = 1.3
 _CLEAR = 3.0
 # Mean distance between the images, in sqrt(area), from which two reflections are different ones.
 _ELSEWHERE = 0.1
-# Heat kernels, at these times in units of the area, correlate by more than this between mirror points. Posed animals
-# (TOSCA's cat, dog and centaur) have .96 to 1, random smooth blobs about .9 under their best reflection.
-_TIMES = (0.01, 0.03)
+# Likeness of mirror points: posed animals (TOSCA's cat, dog and centaur) have .96 to 1, random smooth blobs about .9
+# under their best reflection.
 _ALIKE, _MORE_ALIKE = 0.94, 0.965
 # Points to which distances are compared for the asymmetry.
 _PROBES = 200
@@ -122,39 +123,29 @@ def _found(x: Descriptor, tolerance: float) -> Symmetry:
     reflections = [c for c in candidates(x, x.mirrored, identity=False) if c.orientation > 0]
     if not reflections:
         return _none(x, "no map of the shape to its mirror image keeps distances even roughly")
-    ranked = contenders(x, x.mirrored, reflections)
-    # Maps that differ in a limb only are no other symmetry.
-    rivals = [c for c in ranked[1:] if difference(x, c.p2p, ranked[0].p2p) > _ELSEWHERE]
-    margin = rivals[0].cost / ranked[0].cost if rivals else np.inf
-    if margin < _MARGIN and ranked[0].distortion < tolerance:
+    decision = decided(x, x.mirrored, reflections, _ELSEWHERE)
+    margin = decision.margin
+    if margin < _MARGIN and decision.distortion < tolerance:
         return _none(
             x,
             f"different reflections keep distances and shape about equally well (costs within {margin:.2f}): either "
             "a family of symmetries, of which none can be singled out, or a shape without any that is nearly round",
         )
-    found = _described(x, finished(x, x.mirrored, ranked[0].p2p))
+    found = _described(x, decision.result)
     if found.distortion > tolerance:
         return _none(
             x,
             f"the best map of the shape to its mirror image distorts distances by {found.distortion:.3f} sqrt(area) "
             f"in the mean, more than the tolerance of {tolerance:g}",
         )
-    likeness = min(_likeness(x, found.nearest, time) for time in _TIMES)
-    if likeness < (_ALIKE if margin > _CLEAR else _MORE_ALIKE):
+    alike = likeness(x, x, found.nearest)
+    if alike < (_ALIKE if margin > _CLEAR else _MORE_ALIKE):
         return _none(
             x,
             f"the best map of the shape to its mirror image keeps distances to {found.distortion:.3f} sqrt(area), but "
-            f"relates parts of different shape (their heat kernels correlate by {likeness:.2f} only)",
+            f"relates parts of different shape (their heat kernels agree by {alike:.2f} only)",
         )
     return found
-
-
-def _likeness(x: Descriptor, p2p: IndexArray, time: float) -> float:
-    """Correlation over the surface of the logarithm of the heat kernel h(t; p, p) with that at the mirror points."""
-    kernel = np.log((np.exp(-x.laplacian_eigenvalues * time) * x.laplacian**2).sum(axis=1, dtype=np.float64))
-    spread = kernel - x.areas @ kernel
-    variance = float(x.areas @ spread**2)
-    return 1 - 0.5 * float(x.areas @ (kernel - kernel[p2p]) ** 2) / variance if variance > 0 else 1.0
 
 
 def _described(x: Descriptor, result: Finished) -> Symmetry:

@@ -155,7 +155,7 @@ def test_a_mirror_image_is_matched_as_one_and_said_to_be_one(seed: int) -> None:
     assert (found.p2p == np.arange(len(found.p2p))).mean() > 0.99
 
 
-@pytest.mark.parametrize(("one", "other"), [(0, 1), pytest.param(1, 2, marks=UNSURE)])
+@pytest.mark.parametrize(("one", "other"), [(0, 1), (1, 2)])
 def test_different_creatures_are_not_matched_with_confidence(one: int, other: int) -> None:
     found = match(described(one), described(other))
     assert not found.confident
@@ -179,7 +179,7 @@ def test_a_bent_copy_is_matched_with_confidence_and_right(seed: int) -> None:
 
 @pytest.mark.parametrize(
     "mesh",
-    [pytest.param(icosphere(3), marks=UNSURE), pytest.param(torus(32, 16), marks=UNSURE), ellipsoid(1, 0.7, 0.5)],
+    [icosphere(3), pytest.param(torus(32, 16), marks=UNSURE), ellipsoid(1, 0.7, 0.5)],
     ids=["sphere", "torus", "ellipsoid"],
 )
 def test_what_turns_onto_itself_is_not_matched_to_itself_with_confidence(mesh: Mesh) -> None:

@@ -1,0 +1,130 @@
+"""Which of several maps between all vertices is the best: each is tried as a deformation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from qgeo_filters.matching.candidates import Candidate, between, distortion
+from qgeo_filters.matching.descriptor import Descriptor
+from qgeo_filters.matching.finish import ENDING, SETTLING, TRIAL, Finished, finished
+from qgeo_filters.matching.search import DISTINCT, differ
+
+# Contenders that are tried, and how much more than the best they may distort distances.
+_CONTENDERS = 8
+_CONTENDING = 1.7
+# Of these, at most so many are taken further, if they cost no more than this many times the cheapest.
+_CLOSEST, _CLOSE = 3, 3.0
+# Maps nearer than this in the mean, in sqrt(area), after a trial end as the same.
+_SAME = 0.01
+# An edge is torn if its ends are mapped this many mean edges apart.
+_TORN = 3.0
+# Shares of torn edges and folded triangles, strains and distortions below these do not tell maps apart.
+_LEAST_TORN, _LEAST_FOLDED, _LEAST_STRAIN, _LEAST_DISTORTION = 1e-3, 5e-4, 1e-3, 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Contender:
+    """A candidate after a trial, or further on.
+
+    Attributes
+    ----------
+    result : Finished
+    distortion : float
+        As of a candidate, after the trial.
+    strain : float
+        What is not rigid of the deformation of X along the map, see `Rigidity.strain`.
+    torn : float
+        Share of X's edges whose ends are mapped far apart.
+    folded : float
+        Share of X's area that the deformation turns over.
+    """
+
+    result: Finished
+    distortion: float
+    strain: float
+    torn: float
+    folded: float
+
+    @property
+    def cost(self) -> float:
+        """Product of strain, torn and folded shares, and root of the distortion: larger for a map wrong in a part."""
+        torn, folded = max(self.torn, _LEAST_TORN), self.folded + _LEAST_FOLDED
+        return max(self.strain, _LEAST_STRAIN) * torn * folded * np.sqrt(max(self.distortion, _LEAST_DISTORTION))
+
+
+@dataclass(frozen=True, eq=False)
+class Decision:
+    """The best map, and how clear the choice was.
+
+    Attributes
+    ----------
+    result : Finished
+    distortion : float
+        See `Candidate`.
+    margin : float
+        How many times its cost the next different contender's is; inf if there is none.
+    runner_up : float
+        Distortion of that one.
+    """
+
+    result: Finished
+    distortion: float
+    margin: float
+    runner_up: float
+
+
+def contenders(x: Descriptor, y: Descriptor, pool: list[Candidate]) -> list[Contender]:
+    """The best different candidates, deformed onto Y on trial, the cheapest first.
+
+    A map that is right in one part and wrong in another, such as one that swaps two legs, can keep distances better
+    than the right one does between two poses; but a deformation that follows it has to tear, fold or twist the surface
+    in between. The maps must keep the orientation.
+    """
+    ranked = sorted(pool, key=lambda c: c.distortion)
+    best = ranked[0].distortion
+    tried: list[Candidate] = []
+    for c in ranked:
+        near = len(tried) < _CONTENDERS and c.distortion <= _CONTENDING * best + 0.01
+        if near and all(differ(between(y, c.p2p, t.p2p)) for t in tried):
+            tried.append(c)
+    return sorted((_contender(x, y, finished(x, y, c.p2p, TRIAL)) for c in tried), key=lambda c: c.cost)
+
+
+def decided(x: Descriptor, y: Descriptor, pool: list[Candidate], apart: float = DISTINCT) -> Decision:
+    """The best of the maps, finished on all vertices: of those that cost little on trial the one that ends cheapest.
+
+    Rivals are contenders whose images are ``apart`` in the mean, in sqrt(area), from those of the best.
+    """
+    ranked = contenders(x, y, pool)
+    close: list[Contender] = []
+    for c in ranked:
+        near = len(close) < _CLOSEST and c.cost <= _CLOSE * ranked[0].cost
+        if near and all(between(y, c.result.p2p, t.result.p2p).mean() > _SAME for t in close):
+            close.append(c)
+    ends = [_contender(x, y, finished(x, y, c.result.p2p, SETTLING)) for c in close]
+    order = sorted(range(len(close)), key=lambda i: ends[i].cost)
+    best, trial = ends[order[0]], close[order[0]]
+
+    def elsewhere(c: Contender) -> bool:
+        return float(between(y, c.result.p2p, best.result.p2p).mean()) > apart
+
+    # A rival that was taken further is compared there, the others as they were on trial.
+    rivals = [(ends[i].cost / best.cost, ends[i]) for i in order[1:] if elsewhere(ends[i])]
+    rivals += [(c.cost / trial.cost, c) for c in ranked if not any(c is t for t in close) and elsewhere(c)]
+    margin, rival = min(rivals, key=lambda pair: pair[0], default=(np.inf, None))
+    return Decision(
+        finished(x, y, best.result.p2p, ENDING), best.distortion, margin, rival.distortion if rival else np.inf
+    )
+
+
+def _contender(x: Descriptor, y: Descriptor, result: Finished) -> Contender:
+    p2p = result.p2p
+    a, b = p2p[x.unit.edges.T]
+    lengths = np.linalg.norm(y.unit.vertices[a] - y.unit.vertices[b], axis=1)
+    torn = float((lengths > _TORN * x.unit.edge_lengths.mean()).mean())
+    deformed = x.unit.with_vertices(result.positions)
+    against = np.einsum("ij,ij->i", deformed.face_normals, y.normals[p2p[x.unit.faces]].sum(axis=1)) < 0
+    folded = float(x.unit.face_areas @ against) / x.unit.area
+    return Contender(result, distortion(x, y, p2p), x.rigidity.strain(result.positions), torn, folded)
