@@ -11,6 +11,8 @@ FloatArray = npt.NDArray[np.float64]
 
 # Relative accuracy of the eigenvalues asked of ARPACK: what float32 distances can carry.
 _TOLERANCE = 1e-6
+# Vectors in the basis beyond the wanted ones.
+_SPARE = 100
 # Accuracy of the probe for eigenvalues that were passed over, and by how much one of them must be larger.
 _PROBE, _LARGER = 1e-2, 1e-4
 
@@ -46,7 +48,9 @@ def _lanczos(operator: LinearOperator, k: int, tolerance: float = _TOLERANCE) ->
     n = operator.shape[0]
     # A generic start: one that shares a symmetry of the surface would never leave it.
     start = np.random.default_rng(0).standard_normal(n)
-    values, vectors = eigsh(operator, k=k, which="LM", v0=start, tol=tolerance, ncv=min(n, max(2 * k + 1, 20)))
+    # Many pairs need no basis of twice as many vectors, which all have to be kept orthogonal.
+    width = min(n, max(min(2 * k + 1, k + _SPARE), 20))
+    values, vectors = eigsh(operator, k=k, which="LM", v0=start, tol=tolerance, ncv=width)
     # ARPACK's vectors are orthonormal to its tolerance only where the products are in float32.
     basis, triangle = np.linalg.qr(vectors)
     return values, basis * np.where(np.diag(triangle) < 0, -1.0, 1.0)
