@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import time
 import zipfile
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -106,7 +107,8 @@ def measured(
     ----------
     data : Dataset
     pairs : iterable of (str, str)
-        Names of shapes; for symmetries the same name twice. Each shape is prepared once.
+        Names of shapes; for symmetries the same name twice. Each shape is prepared once, and kept (10 kB a vertex)
+        until its last pair.
     what : {"match", "symmetry"}
         The correspondence from the first to the second, or the symmetry of the first (of the identity, where none is
         found).
@@ -118,6 +120,8 @@ def measured(
     PairResult or PairFailure
         Seconds are CPU time without what belongs to one shape alone.
     """
+    pairs = list(pairs)
+    awaited = Counter(name for pair in pairs for name in pair)
     shapes: dict[str, Descriptor] = {}
     for x, y in pairs:
         name = f"{x} - {y}" if what == "match" else f"symmetry of {x}"
@@ -135,6 +139,10 @@ def measured(
                 store.save(outcome, key)
         except Exception as error:  # of any kind: a night's work must not end with one bad mesh
             outcome = PairFailure(name, data.category(x), error)
+        awaited.subtract((x, y))
+        for one in {x, y}:
+            if not awaited[one]:
+                shapes.pop(one, None)
         yield outcome
 
 
