@@ -14,10 +14,10 @@ from qgeo_filters.matching.search import DISTINCT, differ
 # Contenders that are tried, and how much more than the best they may distort distances.
 _CONTENDERS = 8
 _CONTENDING = 1.7
-# Of these, at most so many are taken further, if they cost no more than this many times the cheapest.
-_CLOSEST, _CLOSE = 3, 3.0
-# Maps nearer than this in the mean, in sqrt(area), after a trial end as the same.
-_SAME = 0.01
+# Of these, at most so many are taken further, if they cost no more than this many times the cheapest; and of those whose
+# images are this near in the mean, in sqrt(area), at most so many.
+_CLOSEST, _CLOSE = 4, 4.0
+_KIN, _MOST_KIN = 0.1, 2
 # An edge is torn if its ends are mapped this many mean edges apart.
 _TORN = 3.0
 # Shares of torn edges and folded triangles, strains and distortions below these do not tell maps apart.
@@ -101,7 +101,8 @@ def decided(x: Descriptor, y: Descriptor, pool: list[Candidate], apart: float = 
     close: list[Contender] = []
     for c in ranked:
         near = len(close) < _CLOSEST and c.cost <= _CLOSE * ranked[0].cost
-        if near and all(between(y, c.result.p2p, t.result.p2p).mean() > _SAME for t in close):
+        kin = [t for t in close if between(y, c.result.p2p, t.result.p2p).mean() < _KIN]
+        if near and len(kin) < _MOST_KIN:
             close.append(c)
     ends = [_contender(x, y, finished(x, y, c.result.p2p, SETTLING)) for c in close]
     order = sorted(range(len(close)), key=lambda i: ends[i].cost)

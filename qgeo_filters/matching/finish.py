@@ -39,6 +39,10 @@ class Pass:
     full : int
         Number of eigenfunctions from which on all vertices are matched, not only farthest points: fewer cannot tell
         vertices apart. At the very end all are, always.
+    untwist : bool
+        Whether the deformation starts afresh from the low frequencies of the map, limbs shrunk to their axes, with
+        rotations of wide neighbourhoods: how a limb is turned about its axis then follows from the body that it
+        grows on, not from the map.
     """
 
     sizes: tuple[int, ...]
@@ -47,18 +51,21 @@ class Pass:
     normals: float
     turns: int = 3
     full: int = 1000
+    untwist: bool = False
 
 
 _SIZES = (20, 30, 45, 65, 90, 120, 160, 200)
 #: What was best on the tuning categories (see benchmarks/README.md): from a trial to where the cost tells, and on to
 #: the end.
-SETTLING = (Pass((20, 20, 30), 0.15, 0.08, 0.03, turns=6), Pass(_SIZES, 0.05, 0.02, 0.07))
+SETTLING = (Pass((20, 20, 30), 0.15, 0.08, 0.03, turns=6, untwist=True), Pass(_SIZES, 0.05, 0.02, 0.07))
 ENDING = (Pass(_SIZES, 0.03, 0.015, 0.03, full=90),)
 #: Enough to tell which of several maps is right.
-TRIAL = (Pass((20, 30, 45), 0.05, 0.035, 0.07),)
+TRIAL = (Pass((20, 30, 45), 0.05, 0.035, 0.07, untwist=True),)
 # Matchings at each size.
 _MATCHINGS = 2
 _FIRST_TURNS = 8
+# How often rotations are averaged over neighbours at the first size of a pass.
+_WIDE, _NARROW = 30, 3
 # Farthest points that are matched before all vertices are.
 _COARSE = 1500
 
@@ -151,8 +158,12 @@ class _State:
             first = not len(self.positions)
             if first:
                 self.positions = targets if mass.all() else y.unit.vertices[self.forth]
+                if stage.untwist:
+                    low = x.laplacian[:, :k].astype(np.float64)
+                    self.positions = low @ (low.T @ (x.areas[:, None] * self.positions))
+            wide = _WIDE if stage.untwist else _NARROW
             for _turn in range(max(stage.turns, _FIRST_TURNS if first else 0)):
-                self.positions = x.rigidity.step(solve, pull, self.positions, targets, 3 if fresh else 1)
+                self.positions = x.rigidity.step(solve, pull, self.positions, targets, wide if fresh else 1)
             # Eigenfunctions weigh as coordinates do: their sum over k is about k / area.
             weight = 1 / (k * np.sqrt(np.pi))
             deformed = x.unit.with_vertices(self.positions)

@@ -154,7 +154,8 @@ def _described(x: Descriptor, result: Finished) -> Symmetry:
     second = np.column_stack([result.embedding_y, result.embedding_x])
     p2p = nearest(first, second)
     side = _sides(x, p2p)
-    v = x.unit.vertices
+    # Where the vertices go between the vertices of the other side: nearer to the truth than the nearest of them.
+    v, mirrored = x.unit.vertices, result.positions * np.array([-1.0, 1.0, 1.0])
     probes = x.samples[:_PROBES]
     there = x.distances(p2p[probes])
     asymmetry = np.abs(x.rows[: len(probes)] - there[:, p2p]).mean(axis=0, dtype=np.float64)
@@ -162,7 +163,7 @@ def _described(x: Descriptor, result: Finished) -> Symmetry:
     return Symmetry(
         True,
         f"a reflection that distorts distances by {distortion:.3f} sqrt(area) in the mean",
-        frozen(paired(np.column_stack([v[p2p], v]), np.column_stack([v, v[p2p]]), side)),
+        frozen(paired(np.column_stack([mirrored, v]), np.column_stack([v, mirrored]), side)),
         frozen(p2p),
         frozen(side),
         frozen(side == 0),
