@@ -14,8 +14,8 @@ from qgeo_filters.matching.search import DISTINCT, differ
 # Contenders that are tried, and how much more than the best they may distort distances.
 _CONTENDERS = 8
 _CONTENDING = 1.7
-# Of these, at most so many are taken further, if they cost no more than this many times the cheapest; and of those whose
-# images are this near in the mean, in sqrt(area), at most so many.
+# Of these, at most so many are taken further, if they cost no more than this many times the cheapest; and of those
+# whose images are this near in the mean, in sqrt(area), at most so many.
 _CLOSEST, _CLOSE = 4, 4.0
 _KIN, _MOST_KIN = 0.1, 2
 # An edge is torn if its ends are mapped this many mean edges apart.

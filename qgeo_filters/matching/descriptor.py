@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.errors import MeshError
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
@@ -24,7 +25,7 @@ SingleArray = npt.NDArray[np.float32]
 IndexArray = npt.NDArray[np.int64]
 
 #: Weights of mean curvature in the metrics that propose maps: the surface's own metric and the lifted one.
-METRIC_WEIGHTS = (0.0, 0.03)
+METRIC_WEIGHTS = (0.0, CURVATURE_WEIGHT)
 #: Fewest vertices of a shape that can be matched: the search needs more points than eigenfunctions.
 MINIMUM_VERTICES = 60
 # Eigenfunctions of the distances and of the Laplacian, and farthest points.
