@@ -1,12 +1,13 @@
 """The map-free correspondence beside pyFM on the same pairs of TOSCA, as Markdown tables.
 
     pip install pyfmaps
-    python benchmarks/matching_peers.py ROOT --categories cat dog centaur --pairs 3
+    python benchmarks/matching_peers.py ROOT --categories cat dog centaur --pairs 3 --store DIR
 
-ROOT holds ``remeshed``, ``ground_truth`` and ``symmetry`` (see `ToscaRemeshed`). The peer does what the quick start of
-its README says (pyfmaps 1.3.1): wave kernel signatures, a functional map with the orientation term, ZoomOut. Both
-methods get the same two meshes and nothing else, in the same direction, from X to Y. Errors are direct, in units of
-sqrt(area of Y), at every vertex of X; CPU time is that of all threads.
+ROOT holds ``remeshed``, ``ground_truth`` and ``symmetry`` (see `ToscaRemeshed`); pairs and store are those of
+``matching.py``, whose finished pairs are taken over. The peer does what the quick start of its README says (pyfmaps
+1.3.1): wave kernel signatures, a functional map with the orientation term, ZoomOut. Both methods get the same two
+meshes and nothing else, in the same direction, from X to Y. Errors are direct, in units of sqrt(area of Y), at every
+vertex of X; CPU time is that of all threads.
 """
 
 from __future__ import annotations
@@ -14,61 +15,72 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from importlib.metadata import version
+from pathlib import Path
 
 import numpy as np
-from geodesics_common import machine
+from geodesics_common import cpu, machine
 from pyFM.functional import FunctionalMapping
 from pyFM.mesh import TriMesh
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import PairResult, Row, ToscaRemeshed, symmetric_errors
+from qgeo_filters.evaluation.measure import PairFailure, PairStore, measured
 
 CATEGORIES = ("cat", "dog", "centaur", "horse", "michael", "victoria", "wolf")
+OURS, FITTED, REFINED = "`qg.match`", "pyFM: WKS, orientation", "pyFM: the same, then ZoomOut"
 #: Eigenfunctions that `FunctionalMapping.preprocess` takes by default: 128 of them for the descriptors.
 PROCESSED = 200
 #: README of pyfmaps 1.3.1, "Quickstart".
 DESCRIPTORS = {"descr_type": "WKS", "subsample_step": 2}
 FIT = {"K": 30, "w_descr": 1e0, "w_lap": 1e-1, "w_dcomm": 1e0, "w_orient": 1e0}
 ZOOMOUT = {"nit": 16, "step": 5}
+#: Of a kept result: what it was made by.
+KEY = f"pyfmaps {version('pyfmaps')} {PROCESSED} {DESCRIPTORS} {FIT} {ZOOMOUT}"
 
 
-@dataclass(frozen=True, eq=False)
-class Mapped:
-    """A map and the CPU seconds that it took."""
-
-    method: str
-    p2p: np.ndarray
-    confident: bool
-    preparing: float
-    matching: float
+def processed(surface: qg.Surface) -> TriMesh:
+    """Everything of pyFM's that belongs to one shape."""
+    return TriMesh(surface.vertices, surface.faces, area_normalize=True, center=True).process(PROCESSED)
 
 
-def ours(x: qg.Surface, y: qg.Surface) -> Iterator[Mapped]:
-    """What `qg.match` finds."""
+def pyfm_maps(x: TriMesh, y: TriMesh) -> Iterator[tuple[str, np.ndarray, float]]:
+    """Name, map and CPU seconds before and after ZoomOut. pyFM's point maps go from its second mesh to its first."""
     start = time.process_time()
-    shapes = [qg.Descriptor(surface).prepared() for surface in (x, y)]
-    prepared = time.process_time()
-    found = qg.match(*shapes)
-    yield Mapped("`qg.match`", found.p2p, found.confident, prepared - start, time.process_time() - prepared)
-
-
-def theirs(x: qg.Surface, y: qg.Surface) -> Iterator[Mapped]:
-    """What pyFM finds, before and after ZoomOut. Its point maps go from its second mesh to its first."""
-    start = time.process_time()
-    meshes = [TriMesh(s.vertices, s.faces, area_normalize=True, center=True).process(PROCESSED) for s in (y, x)]
-    prepared = time.process_time()
-    model = FunctionalMapping(*meshes)
+    model = FunctionalMapping(y, x)
     model.preprocess(**DESCRIPTORS)
     model.fit(**FIT)
     p2p = model.get_p2p()
-    fitted = time.process_time()
-    yield Mapped("pyFM: WKS, orientation", p2p, True, prepared - start, fitted - prepared)
-    resumed = time.process_time()
-    refined = model.get_p2p(model.zoomout_refine(**ZOOMOUT))
-    seconds = fitted - prepared + time.process_time() - resumed
-    yield Mapped("pyFM: the same, ZoomOut", refined, True, prepared - start, seconds)
+    seconds = time.process_time() - start
+    yield FITTED, p2p, seconds
+    refined, more = cpu(lambda: model.get_p2p(model.zoomout_refine(**ZOOMOUT)))
+    yield REFINED, np.asarray(refined), seconds + more
+
+
+def theirs(data: ToscaRemeshed, one: str, other: str, store: PairStore | None) -> Iterator[tuple[str, PairResult]]:
+    """Results of pyFM on a pair, kept ones if there are any."""
+    category = data.category(one)
+    names = {method: f"{stem}: {one} - {other}" for method, stem in ((FITTED, "pyfm"), (REFINED, "pyfm-zoomout"))}
+    kept = {method: store.load(name, category, KEY) if store else None for method, name in names.items()}
+    if all(kept.values()):
+        yield from ((method, result) for method, result in kept.items() if result)
+        return
+    x, y = data.read(one), data.read(other)
+    truth, mirror = data.truth(one, other), data.symmetry(other)
+    for method, p2p, seconds in pyfm_maps(processed(x), processed(y)):
+        errors = symmetric_errors(p2p[truth.points], truth.images, mirror.images, y)
+        result = PairResult(names[method], category, errors, True, seconds, p2p)
+        if store:
+            store.save(result, KEY)
+        yield method, result
+
+
+def preparing(data: ToscaRemeshed, pairs: list[tuple[str, str]]) -> dict[str, float]:
+    """CPU seconds that both shapes of a pair take, mean over these pairs, with pyFM and with the package."""
+    shapes = [data.read(name) for pair in pairs for name in pair]
+    pyfm = 2 * float(np.mean([cpu(lambda shape=shape: processed(shape))[1] for shape in shapes]))
+    own = 2 * float(np.mean([cpu(lambda shape=shape: qg.Descriptor(shape).prepared())[1] for shape in shapes]))
+    return {FITTED: pyfm, REFINED: pyfm, OURS: own}
 
 
 def main() -> None:
@@ -77,51 +89,55 @@ def main() -> None:
     parser.add_argument("root")
     parser.add_argument("--categories", nargs="+", default=CATEGORIES)
     parser.add_argument("--pairs", type=int, help="pairs of each category, drawn at random (seed 0); all by default")
+    parser.add_argument("--store", type=Path, help="folder in which finished pairs are kept")
     arguments = parser.parse_args()
     data = ToscaRemeshed(arguments.root)
+    store = PairStore(arguments.store) if arguments.store else None
     qg.warmup()
-    results: dict[str, list[PairResult]] = {}
-    seconds: dict[str, list[tuple[float, float]]] = {}
+    results: dict[str, list[PairResult]] = {FITTED: [], REFINED: [], OURS: []}
+    firsts = []
     for category in arguments.categories:
         pairs = list(data.pairs(category))
         np.random.default_rng(0).shuffle(pairs)
-        for one, other in pairs[: arguments.pairs]:
-            x, y = data.read(one), data.read(other)
-            truth, mirror = data.truth(one, other), data.symmetry(other)
-            for find in (theirs, ours):
-                for found in find(x, y):
-                    errors = symmetric_errors(found.p2p[truth.points], truth.images, mirror.images, y)
-                    name, total = f"{one} - {other}", found.preparing + found.matching
-                    results.setdefault(found.method, []).append(
-                        PairResult(name, category, errors, found.confident, total)
-                    )
-                    seconds.setdefault(found.method, []).append((total, found.matching))
-                    side = ", mirrored" if errors.mirrored else ""
-                    print(
-                        f"<!-- {name}, {found.method}: {errors.direct.mean():.4f}{side}, {total:.1f} s -->", flush=True
-                    )
+        chosen = [(str(one), str(other)) for one, other in pairs[: arguments.pairs]]
+        firsts.append(chosen[0])
+        for pair in chosen:
+            for method, result in theirs(data, *pair, store):
+                add(results, method, result)
+        for outcome in measured(data, chosen, "match", store):
+            if isinstance(outcome, PairFailure):
+                raise outcome.error
+            add(results, OURS, outcome)
     print(f"pyfmaps {version('pyfmaps')}, {machine()}\n")
-    report(results, seconds)
+    report(results, preparing(data, firsts))
 
 
-def report(results: dict[str, list[PairResult]], seconds: dict[str, list[tuple[float, float]]]) -> None:
+def add(results: dict[str, list[PairResult]], method: str, result: PairResult) -> None:
+    """Note a result, and print it."""
+    results[method].append(result)
+    side = ", mirrored" if result.errors.mirrored else ""
+    print(
+        f"<!-- {method}, {result.name}: {result.errors.direct.mean():.4f}{side}, {result.seconds:.1f} s -->", flush=True
+    )
+
+
+def report(results: dict[str, list[PairResult]], prepared: dict[str, float]) -> None:
     """Print both tables."""
     head = ["method", "pairs", "mean", "median", "< .05 (%)", "< .10 (%)", "< .25 (%)", "mirrored", "failed"]
-    head += ["CPU s a pair", "without each shape's own"]
+    head += ["CPU s a pair", "and for its two shapes"]
     print("| " + " | ".join(head) + " |\n|---|" + "---:|" * (len(head) - 1))
     for method, found in results.items():
         row = Row.of(method, found)
-        total, matching = np.mean(seconds[method], axis=0)
         cells = [f"{row.pairs}", f"{row.direct.mean:.4f}", f"{row.direct.median:.4f}"]
         cells += [f"{100 * share:.1f}" for share in row.direct.below]
-        cells += [f"{row.mirrored}", f"{row.failed}", f"{total:.1f}", f"{matching:.1f}"]
+        cells += [f"{row.mirrored}", f"{row.failed}", f"{row.seconds:.1f}", f"{prepared[method]:.1f}"]
         print(f"| {method} | " + " | ".join(cells) + " |")
-    categories = list(dict.fromkeys(result.category for result in next(iter(results.values()))))
-    print("\n| mean error (mirrored) | " + " | ".join(categories) + " |")
+    categories = list(dict.fromkeys(result.category for result in results[OURS]))
+    print("\n| mean error, worst pair | " + " | ".join(categories) + " |")
     print("|---|" + "---:|" * len(categories))
     for method, found in results.items():
         rows = [Row.of(category, [r for r in found if r.category == category]) for category in categories]
-        print(f"| {method} | " + " | ".join(f"{row.direct.mean:.4f} ({row.mirrored})" for row in rows) + " |")
+        print(f"| {method} | " + " | ".join(f"{row.direct.mean:.4f}, {row.worst:.4f}" for row in rows) + " |")
 
 
 if __name__ == "__main__":
