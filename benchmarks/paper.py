@@ -43,13 +43,15 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="few poses and weights")
     parser.add_argument("--poses", type=int, default=3, help="of each category, evenly spread")
     parser.add_argument("--categories", nargs="+", default=list(CATEGORIES))
+    parser.add_argument("--matches", type=Path, metavar="STORE", help="pairs kept by matching.py --store")
     parser.add_argument("--parts", nargs="+", choices=list(PARTS), default=list(PARTS))
     options = parser.parse_args()
     if options.quick:
-        study = Study(options.data, options.out, TUNING, 2, (0.0, GUIDED))
+        study = Study(options.data, options.out, TUNING, 2, (0.0, GUIDED), matches=options.matches)
     else:
         categories = tuple(options.categories)
-        study = Study(options.data, options.out, categories, options.poses, WEIGHTS, SCALARS, SCALAR_WEIGHTS)
+        sweep = WEIGHTS, SCALARS, SCALAR_WEIGHTS
+        study = Study(options.data, options.out, categories, options.poses, *sweep, options.matches)
     setting = (
         f"TOSCA, {study.poses} poses of each of {', '.join(study.categories)}, triangulated independently; made by "
         "benchmarks/paper.py."

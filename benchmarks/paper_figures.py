@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from paper_maps import GIVEN, NOT_GIVEN, Method, mapped, paired
 from paper_study import FUNCTIONS, GUIDED, SCALAR, Arrays, Claim, Part, Study
+from scipy.spatial import cKDTree
 
 from qgeo_filters.atomic import atomic_path
 from qgeo_filters.deformation.compatibility import compatibility_of_spectra
@@ -114,8 +115,10 @@ def sixth_figure(study: Study) -> Part:
         regions_x, _ = eigenfunction_regions(functions, functions, np.arange(len(areas)), areas, REGIONS)
         carried = {}
         for method in methods:
-            found = mapped(study, x, y, method)
-            back = nearest(*paired(study, x, y, method)[::-1]) if method.reading else found["inverse"]
+            if method.reading:
+                back = nearest(*paired(study, x, y, method)[::-1])
+            else:
+                back = _back(study, y, mapped(study, x, y, method)["p2p"])
             carried[method] = regions_x[back]
             equal = carried[method][study.truth(x, y)] == regions_x
             shares[method].append(float(areas @ equal / areas.sum()))
@@ -249,6 +252,13 @@ def _map(study: Study, x: str, y: str, found: Arrays) -> Figure:
         Panel(source, view, f"mean error {found['direct'].mean():.4f}", {"values": found["direct"], "scale": scale}),
     ]
     return panel_figure(panels, scale=scale, scale_label="geodesic error (√area)")
+
+
+def _back(study: Study, y: str, p2p: np.ndarray) -> np.ndarray:
+    """Vertex of X for each of Y: a vertex that is mapped to it, or to the nearest one that has any."""
+    reached, first = np.unique(p2p, return_index=True)
+    vertices = study.surface(y).vertices
+    return first[cKDTree(vertices[reached]).query(vertices)[1]]
 
 
 def _symmetric_share(study: Study, name: str, regions: np.ndarray) -> float:

@@ -17,13 +17,14 @@ read here as 94.55 % of the points within an error of .27.
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 
 import numpy as np
 from paper_study import FUNCTIONS, Arrays, Claim, Part, Study, metric_label
 
 from qgeo_filters.evaluation import error_curve, symmetric_errors
-from qgeo_filters.matching.correspondence import match
+from qgeo_filters.evaluation.measure import PairFailure, measured
 from qgeo_filters.matching.refine import nearest
 from qgeo_filters.report.html import Table
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
@@ -78,7 +79,8 @@ def methods(study: Study) -> list[Method]:
 def third_table(study: Study) -> Part:
     """Table 3 over all pairs of the chosen poses."""
     pairs = [pair for category in study.categories for pair in study.pairs(category)]
-    found = {method: [mapped(study, x, y, method) for x, y in pairs] for method in methods(study)}
+    found = {method: [mapped(study, x, y, method) for x, y in pairs] for method in methods(study) if method.reading}
+    found[Method()] = _in_full(study, pairs)
     rows = [_row(method, results) for method, results in found.items()]
     columns = ["method", "mean", "median", "<= .05 (%)", "<= .15 (%)", "<= .27 (%)", "error at 94.55 %"]
     columns += ["<= .27 diameter (%)", "mean of a pair, direct or mirrored", "pairs mirrored", "printed"]
@@ -93,23 +95,33 @@ def third_table(study: Study) -> Part:
 
 
 def mapped(study: Study, x: str, y: str, method: Method) -> Arrays:
-    """The map, its inverse (ours only), and its errors; computed once."""
+    """The map and its errors, computed once."""
+    if not method.reading:
+        return _in_full(study, [(x, y)])[0]
 
     def compute() -> Arrays:
-        if method.reading:
-            p2p = nearest(*paired(study, x, y, method))
-            extra = {}
-        else:
-            result = match(study.descriptor(x), study.descriptor(y))
-            p2p = result.p2p
-            extra = {"inverse": result.inverse, "confident": np.array(result.confident)}
+        p2p = nearest(*paired(study, x, y, method))
         matrix = study.distances(y)
         errors = symmetric_errors(p2p, study.truth(x, y), study.mirror(y), study.surface(y), matrix=matrix)
-        diameter = float(matrix.max()) / float(np.sqrt(study.surface(y).area))
         direct, reflected = (values.astype(np.float32) for values in (errors.direct, errors.reflected))
-        return {"p2p": p2p, "direct": direct, "reflected": reflected, "diameter": np.array(diameter), **extra}
+        diameter = float(matrix.max()) / float(np.sqrt(study.surface(y).area))
+        return {"p2p": p2p, "direct": direct, "reflected": reflected, "diameter": np.array(diameter)}
 
     return study.store.arrays(f"maps/{x}-{y}/{method.key}", compute)
+
+
+def _in_full(study: Study, pairs: list[tuple[str, str]]) -> list[Arrays]:
+    """The same for `match`; pairs that ``benchmarks/matching.py --store`` has finished are not computed again."""
+    found = []
+    for (x, y), outcome in zip(pairs, measured(study.data, pairs, "match", study.matches), strict=True):
+        if isinstance(outcome, PairFailure):
+            raise outcome.error
+        diameter = mapped(study, x, y, Method(0.0, NOT_GIVEN))["diameter"]
+        errors, sure = outcome.errors, np.array(outcome.confident)
+        values = {"p2p": outcome.p2p, "direct": errors.direct, "reflected": errors.reflected}
+        found.append({**values, "diameter": diameter, "confident": sure})
+        sys.stderr.write(f"{outcome.seconds:7.1f} s  match {x} {y}: {errors.direct.mean():.4f}\n")
+    return found
 
 
 def paired(study: Study, x: str, y: str, method: Method) -> tuple[np.ndarray, np.ndarray]:

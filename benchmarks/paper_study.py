@@ -20,9 +20,9 @@ import numpy as np
 
 from qgeo_filters.atomic import atomic_path, atomic_write
 from qgeo_filters.evaluation import ToscaRemeshed
+from qgeo_filters.evaluation.measure import PairStore
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
-from qgeo_filters.matching.descriptor import Descriptor
 from qgeo_filters.report.html import Table
 from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum
 from qgeo_filters.surface import Surface
@@ -104,6 +104,8 @@ class Study:
         Of mean curvature in the metric; 0 is the Cartesian one.
     scalars, scalar_weights
         Further scalars, and the weights for them, on the tuning categories.
+    matches : Path, optional
+        Where maps found by `match` are kept, such as the store of ``benchmarks/matching.py``; by default in ``out``.
     """
 
     def __init__(
@@ -115,10 +117,12 @@ class Study:
         weights: tuple[float, ...],
         scalars: tuple[str, ...] = (),
         scalar_weights: tuple[float, ...] = (),
+        matches: Path | None = None,
     ) -> None:
         self.root, self.figures = root, out / "figures"
         self.data = ToscaRemeshed(root)
         self.store = Store(out / "stored")
+        self.matches = PairStore(matches or out / "stored" / "matches")
         self.categories, self.poses = categories, poses
         self.weights, self.scalars, self.scalar_weights = weights, scalars, scalar_weights
         #: Those at which poses are still alike.
@@ -126,7 +130,6 @@ class Study:
         self.figures.mkdir(parents=True, exist_ok=True)
         self.surface = cache(self._surface)
         self.distances = lru_cache(2)(self._distances)
-        self.descriptor = lru_cache(4)(self._descriptor)
 
     def names(self, category: str, poses: int | None = None) -> list[str]:
         """The chosen poses of a category."""
@@ -164,9 +167,6 @@ class Study:
 
     def _distances(self, name: str) -> np.ndarray:
         return distance_matrix(self.surface(name))
-
-    def _descriptor(self, name: str) -> Descriptor:
-        return Descriptor(self.surface(name)).prepared()
 
 
 def metric_label(weight: float, scalar: str = SCALAR) -> str:
