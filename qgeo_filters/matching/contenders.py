@@ -9,6 +9,7 @@ import numpy as np
 from qgeo_filters.matching.candidates import Candidate, between, distortion
 from qgeo_filters.matching.descriptor import Descriptor
 from qgeo_filters.matching.finish import ENDING, SETTLING, TRIAL, Finished, finished
+from qgeo_filters.matching.likeness import likeness
 from qgeo_filters.matching.search import DISTINCT, differ
 
 # Contenders that are tried, and how much more than the best they may distort distances.
@@ -22,6 +23,7 @@ _KIN, _MOST_KIN = 0.1, 2
 _TORN = 3.0
 # Shares of torn edges and folded triangles, strains and distortions below these do not tell maps apart.
 _LEAST_TORN, _LEAST_FOLDED, _LEAST_STRAIN, _LEAST_DISTORTION = 1e-3, 5e-4, 1e-3, 1e-4
+_LEAST_UNLIKE = 5e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +41,8 @@ class Contender:
         Share of X's edges whose ends are mapped far apart.
     folded : float
         Share of X's area that the deformation turns over.
+    likeness : float
+        See `likeness`.
     """
 
     result: Finished
@@ -46,12 +50,14 @@ class Contender:
     strain: float
     torn: float
     folded: float
+    likeness: float
 
     @property
     def cost(self) -> float:
         """Product of strain, torn and folded shares, and root of the distortion: larger for a map wrong in a part."""
         torn, folded = max(self.torn, _LEAST_TORN), self.folded + _LEAST_FOLDED
-        return max(self.strain, _LEAST_STRAIN) * torn * folded * np.sqrt(max(self.distortion, _LEAST_DISTORTION))
+        strain, unlike = max(self.strain, _LEAST_STRAIN), 1 - self.likeness + _LEAST_UNLIKE
+        return strain * torn * folded * unlike * np.sqrt(max(self.distortion, _LEAST_DISTORTION))
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,4 +134,6 @@ def _contender(x: Descriptor, y: Descriptor, result: Finished) -> Contender:
     deformed = x.unit.with_vertices(result.positions)
     against = np.einsum("ij,ij->i", deformed.face_normals, y.normals[p2p[x.unit.faces]].sum(axis=1)) < 0
     folded = float(x.unit.face_areas @ against) / x.unit.area
-    return Contender(result, distortion(x, y, p2p), x.rigidity.strain(result.positions), torn, folded)
+    return Contender(
+        result, distortion(x, y, p2p), x.rigidity.strain(result.positions), torn, folded, likeness(x, y, p2p)
+    )

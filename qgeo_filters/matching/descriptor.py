@@ -24,8 +24,9 @@ FloatArray = npt.NDArray[np.float64]
 SingleArray = npt.NDArray[np.float32]
 IndexArray = npt.NDArray[np.int64]
 
-#: Weights of mean curvature in the metrics that propose maps: the surface's own metric and the lifted one.
-METRIC_WEIGHTS = (0.0, CURVATURE_WEIGHT)
+#: Weights of mean curvature in the metrics that propose maps: the surface's own metric and two lifted ones; their
+#: proposals differ. The last is that of the paper's functions.
+METRIC_WEIGHTS = (0.0, 0.03, CURVATURE_WEIGHT)
 #: Fewest vertices of a shape that can be matched: the search needs more points than eigenfunctions.
 MINIMUM_VERTICES = 60
 # Eigenfunctions of the distances and of the Laplacian, and farthest points.
@@ -199,6 +200,7 @@ class Descriptor:
         for name in ("metric", "views", "samples", "rows", "laplacian", "areas"):
             other.__dict__[name] = getattr(self, name)
         other._samples = self._samples
+        other._laplacian_eigenvalues = self._laplacian_eigenvalues
         return other
 
     def _view(self, weight: float) -> MetricView:

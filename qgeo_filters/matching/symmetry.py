@@ -26,13 +26,11 @@ IndexArray = npt.NDArray[np.int64]
 TOLERANCE = 0.08
 # The next best reflection must cost this many times as much: a sphere or a torus has many that cost the same.
 _MARGIN = 1.3
-# Where it costs less than this many times as much, mirror points must be more alike.
-_CLEAR = 3.0
 # Mean distance between the images, in sqrt(area), from which two reflections are different ones.
 _ELSEWHERE = 0.1
-# Likeness of mirror points: posed animals (TOSCA's cat, dog and centaur) have .96 to 1, random smooth blobs about .9
-# under their best reflection.
-_ALIKE, _MORE_ALIKE = 0.94, 0.965
+# Likeness of mirror points: posed animals (TOSCA's cat, dog and centaur) have .96 to 1, random smooth blobs .91 to .96
+# under their best reflection, but for those that are nearly symmetric.
+_ALIKE = 0.96
 # Points to which distances are compared for the asymmetry.
 _PROBES = 200
 
@@ -139,7 +137,7 @@ def _found(x: Descriptor, tolerance: float) -> Symmetry:
             f"in the mean, more than the tolerance of {tolerance:g}",
         )
     alike = likeness(x, x, found.nearest)
-    if alike < (_ALIKE if margin > _CLEAR else _MORE_ALIKE):
+    if alike < _ALIKE:
         return _none(
             x,
             f"the best map of the shape to its mirror image keeps distances to {found.distortion:.3f} sqrt(area), but "
