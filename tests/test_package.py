@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 
 import pytest
 
@@ -27,6 +29,33 @@ def test_every_public_name_loads_and_is_documented(name: str) -> None:
     value = getattr(qg, name)
     if callable(value):
         assert value.__doc__, f"{name} has no docstring"
+
+
+def test_one_default_of_the_curvature_weight() -> None:
+    """Wherever the lifted metric is taken unasked; plain distances and paths are the surface's own."""
+    import qgeo_widgets as qw
+    from qgeo_filters.cli.compatibility import compatibility
+    from qgeo_filters.cli.geodesics import distances, path
+    from qgeo_filters.cli.spectral import spectrum
+    from qgeo_filters.cli.symmetry import symmetry
+    from qgeo_filters.defaults import CURVATURE_WEIGHT
+    from qgeo_filters.filters.base import REGISTRY
+    from qgeo_filters.filters.meshlab_methods import METHODS
+
+    def default(function: Callable[..., object]) -> object:
+        parameters = inspect.signature(function).parameters
+        (found,) = {"weight", "curvature_weight", "curvatureweight"} & set(parameters) or {None}
+        return parameters[found].default if found else None
+
+    lifted = [filter for filter in REGISTRY.values() if default(filter) is not None]
+    assert len(lifted) == 4
+    methods = [method for method in METHODS if default(method) is not None]
+    assert len(methods) == 2
+    commands = [compatibility, spectrum, symmetry]
+    widgets = [qw.compare, qw.geodesics, qw.matrix, qw.symmetry]
+    for function in [qg.lifted_metric, *lifted, *methods, *commands, *widgets]:
+        assert default(function) == CURVATURE_WEIGHT, function
+    assert default(distances) == default(path) == 0
 
 
 def test_unknown_name_is_an_attribute_error() -> None:

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from qgeo_filters.defaults import CURVATURE_WEIGHT
+
 if TYPE_CHECKING:
     import numpy.typing as npt
 
@@ -27,7 +29,7 @@ def compare(
     *,
     p2p: npt.ArrayLike | None = None,
     truth: npt.ArrayLike | None = None,
-    curvature_weight: float = 0.03,
+    curvature_weight: float = CURVATURE_WEIGHT,
     size: tuple[int, int] = (440, 400),
     progress: bool = True,
 ) -> CompareWidget:
@@ -62,7 +64,7 @@ def geodesics(
     source: int | None = None,
     target: int | None = None,
     *,
-    curvature_weight: float = 0.03,
+    curvature_weight: float = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
     size: tuple[int, int] = (500, 420),
 ) -> GeodesicsWidget:
@@ -90,7 +92,7 @@ def geodesics(
 
 
 def matrix(
-    x: Any, *, matrix: npt.ArrayLike | None = None, curvature_weight: float = 0.03, size: int = 430
+    x: Any, *, matrix: npt.ArrayLike | None = None, curvature_weight: float = CURVATURE_WEIGHT, size: int = 430
 ) -> MatrixWidget:
     """Widget of the distance matrix beside the shape (paper, Fig. 1).
 
@@ -114,7 +116,7 @@ def matrix(
 
 
 def symmetry(
-    x: Any, *, symmetry: Any = None, curvature_weight: float = 0.03, size: tuple[int, int] = (440, 400)
+    x: Any, *, symmetry: Any = None, curvature_weight: float = CURVATURE_WEIGHT, size: tuple[int, int] = (440, 400)
 ) -> SymmetryWidget:
     """Widget of a shape's self-symmetry, seen from the front and from behind.
 

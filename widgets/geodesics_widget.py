@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import traitlets
 
+from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar, surface_scalar
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distances
@@ -48,7 +49,7 @@ class GeodesicsWidget(ShapeWidget):
     _page_title = "A quasi-geodesic"
     source = traitlets.Int(None, allow_none=True)
     target = traitlets.Int(None, allow_none=True)
-    weight = traitlets.Float(0.03, min=0.0)
+    weight = traitlets.Float(CURVATURE_WEIGHT, min=0.0)
     before = traitlets.Bool(True)
     place = traitlets.Float(0.5, min=0.0, max=1.0)
     path = traitlets.Instance(GeodesicPath, allow_none=True, read_only=True)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distances
@@ -37,7 +38,9 @@ class Shape:
         What lifts it, see `surface_scalar`.
     """
 
-    def __init__(self, mesh: Any, name: str, curvature_weight: float = 0.03, scalar: Scalar = "mean_curvature") -> None:
+    def __init__(
+        self, mesh: Any, name: str, curvature_weight: float = CURVATURE_WEIGHT, scalar: Scalar = "mean_curvature"
+    ) -> None:
         self.surface: Surface = as_surface(mesh)
         self.name = name
         self.unit = float(np.sqrt(self.surface.area))

@@ -10,6 +10,7 @@ import typer
 
 from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Repair, Settings, Weight
 from qgeo_filters.cli.spectral import Count
+from qgeo_filters.defaults import CURVATURE_WEIGHT
 
 _MOST_POSES = 12
 
@@ -21,7 +22,7 @@ def compatibility(
         typer.Option("--baselines", metavar="I J", help="The poses, from 0, that are optimised against each other."),
     ] = (0, 1),
     k: Count = 20,
-    curvature_weight: Weight = 0.03,
+    curvature_weight: Weight = CURVATURE_WEIGHT,
     output: Output = DEFAULT_OUTPUT,
     repair: Repair = False,
     pictures: Pictures = True,

@@ -44,7 +44,7 @@ def demo(output: Output = DEFAULT_OUTPUT, json: Json = False, quiet: Quiet = Fal
     from qgeo_filters.report.html import Table
     from qgeo_filters.report.view import best_view
 
-    descriptor = qg.QuasiGeodesicSpectrum(k=20, curvature_weight=0.03)
+    descriptor = qg.QuasiGeodesicSpectrum(k=20)
     pipeline = qg.DifferentialCoordinates() | qg.CorrectedNormals() | qg.SurfaceScalar() | descriptor
     parameters = {type(step).__name__: step.get_params() for step in pipeline.steps}
     job = Job("demo", Settings(output, quiet, json), parameters)

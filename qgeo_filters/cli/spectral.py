@@ -21,6 +21,7 @@ from qgeo_filters.cli.options import (
     Smoothing,
     Weight,
 )
+from qgeo_filters.defaults import CURVATURE_WEIGHT
 
 Count = Annotated[int, typer.Option("-k", help="Number of eigenpairs.")]
 Weights = Annotated[
@@ -35,7 +36,7 @@ Landmarks = Annotated[
 def spectrum(
     mesh: MeshFile,
     k: Count = 20,
-    curvature_weight: Weight = 0.03,
+    curvature_weight: Weight = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
     smoothing: Smoothing = 0.0,
     weights: Weights = "area",

@@ -21,6 +21,7 @@ from qgeo_filters.cli.options import (
     Smoothing,
     Weight,
 )
+from qgeo_filters.defaults import CURVATURE_WEIGHT
 
 if TYPE_CHECKING:
     import numpy as np
@@ -52,7 +53,7 @@ def symmetry(
     reading: Annotated[
         Literal["absolute", "even", "printed"], typer.Option("--reading", help="How the sum of eq. (3) is read.")
     ] = "absolute",
-    curvature_weight: Weight = 0.03,
+    curvature_weight: Weight = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
     smoothing: Smoothing = 0.0,
     method: Method = "graph",

@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter, registered
@@ -41,7 +42,7 @@ class MetricFilter(Filter):
     def __init__(
         self,
         scalar: Scalar = "mean_curvature",
-        curvature_weight: float = 0.03,
+        curvature_weight: float = CURVATURE_WEIGHT,
         smoothing: float = 0.0,
         method: Method = "graph",
         accuracy: float = 1e-3,
@@ -75,7 +76,7 @@ class QuasiGeodesicDistances(MetricFilter):
         self,
         sources: int | Sequence[int] = 0,
         scalar: Scalar = "mean_curvature",
-        curvature_weight: float = 0.03,
+        curvature_weight: float = CURVATURE_WEIGHT,
         smoothing: float = 0.0,
         method: Method = "graph",
         accuracy: float = 1e-3,
@@ -122,7 +123,7 @@ class QuasiGeodesicPath(MetricFilter):
         start: int = 0,
         end: int = 1,
         scalar: Scalar = "mean_curvature",
-        curvature_weight: float = 0.03,
+        curvature_weight: float = CURVATURE_WEIGHT,
         smoothing: float = 0.0,
         tolerance: float = 1e-6,
     ) -> None:

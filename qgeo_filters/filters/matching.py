@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter, registered
@@ -65,7 +66,7 @@ class SelfSymmetry(MetricFilter):
         n_regions: int = 8,
         reading: Reading = "absolute",
         scalar: Scalar = "mean_curvature",
-        curvature_weight: float = 0.03,
+        curvature_weight: float = CURVATURE_WEIGHT,
         smoothing: float = 0.0,
         method: Method = "graph",
         accuracy: float = 1e-3,

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
+from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.errors import MeshError, require_package
 from qgeo_filters.filters.base import Filter
@@ -27,7 +28,7 @@ def compute_scalar_by_quasi_geodesic_distance_from_given_point_per_vertex(
     meshset: Any,
     *,
     startpoint: npt.ArrayLike = (0.0, 0.0, 0.0),
-    curvatureweight: float = 0.03,
+    curvatureweight: float = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
 ) -> dict[str, Any]:
     """Set the scalar to the quasi-geodesic distance from the vertex nearest to a point.
@@ -58,7 +59,7 @@ def compute_scalar_by_quasi_geodesic_spectrum_per_vertex(
     *,
     component: int = 0,
     k: int = 20,
-    curvatureweight: float = 0.03,
+    curvatureweight: float = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
 ) -> dict[str, Any]:
     """Set the scalar to one eigenfunction of the quasi-geodesic distances.

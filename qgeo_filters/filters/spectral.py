@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from qgeo_filters.caching import cache, content_key
+from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter, registered
@@ -42,7 +43,7 @@ class QuasiGeodesicSpectrum(MetricFilter):
         self,
         k: int = 20,
         scalar: Scalar = "mean_curvature",
-        curvature_weight: float = 0.03,
+        curvature_weight: float = CURVATURE_WEIGHT,
         weights: Literal["area", "uniform"] = "area",
         landmarks: int | None = None,
         smoothing: float = 0.0,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar, surface_scalar
 from qgeo_filters.geodesics.metric import LiftedMetric, cartesian_metric
 from qgeo_filters.surface import Surface
@@ -13,7 +14,7 @@ from qgeo_filters.validation import frozen
 def lifted_metric(
     surface: Surface,
     scalar: Scalar = "mean_curvature",
-    weight: float = 0.03,
+    weight: float = CURVATURE_WEIGHT,
     *,
     smoothing: float = 0.0,
 ) -> LiftedMetric:

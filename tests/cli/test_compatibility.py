@@ -30,7 +30,7 @@ def test_compatibility(qgeo: Qgeo, loaded: Loaded, poses: list[str]) -> None:
     result = qgeo("compatibility", *poses, "-k", 8)
     assert result.exit_code == 0, result.stderr
     content, arrays = loaded(Path("qgeo-out"))
-    expected = compatibility([qg.Surface.read(name) for name in poses], k=8, weight=0.03)
+    expected = compatibility([qg.Surface.read(name) for name in poses], k=8)
     np.testing.assert_allclose(arrays["c_xy"], expected.c_xy, atol=1e-6)
     assert arrays["d_s"] == content["results"]["d_s"] == pytest.approx(expected.d_s)
     assert content["results"]["c_xy_of_the_baselines"] < 1e-3 < content["results"]["largest_c_xy"]
