@@ -14,14 +14,24 @@ from typer.testing import Result
 
 import qgeo_filters as qg
 from qgeo_filters.cli.demo import cow, errors_against_exact
+from qgeo_filters.filters import stages
+from qgeo_filters.matching import descriptor
+from qgeo_filters.matching.descriptor import METRIC_WEIGHTS
 
 Loaded = Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]
 
 
-def test_demo(qgeo: Callable[..., Result], loaded: Loaded) -> None:
+def test_demo(qgeo: Callable[..., Result], loaded: Loaded, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("pymeshlab")
+    weights = []
+    true = stages.distance_matrix
+    for module in (stages, descriptor):  # where matrices are asked for
+        monkeypatch.setattr(
+            module, "distance_matrix", lambda *args, **kwargs: weights.append(args[1].weight) or true(*args, **kwargs)
+        )
     result = qgeo("demo", "-o", "out")
     assert result.exit_code == 0
+    assert sorted(weights) == sorted(METRIC_WEIGHTS)  # the spectrum and the table take two of the symmetry's
     assert "libigl" in result.stdout
     assert "report.html in out" in result.stdout
     content, arrays = loaded(Path("out"))

@@ -12,13 +12,14 @@ from shapes import blob
 
 import qgeo_filters as qg
 from qgeo_filters.caching import cache
+from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.filters import stages
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import LiftedMetric
 from qgeo_filters.matching import descriptor as module
 from qgeo_filters.matching.correspondence import match
-from qgeo_filters.matching.descriptor import Descriptor
+from qgeo_filters.matching.descriptor import METRIC_WEIGHTS, Descriptor
 from qgeo_filters.surface import Surface
 
 
@@ -57,14 +58,25 @@ def test_filters_share_each_matrix(spy: Spy) -> None:
     shape = Surface(*blob(2))
     pipeline = qg.QuasiGeodesicSpectrum(k=5) | qg.SelfSymmetry(k0=5) | qg.Correspondence(target=shape)
     pipeline(shape)
-    assert sorted(spy.weights) == [0.0, 0.03]
+    assert sorted(spy.weights) == sorted(METRIC_WEIGHTS)  # the default of the spectrum is one of them
+
+
+def test_a_cache_of_other_weights_is_not_taken(spy: Spy, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As one on disk may be, that an earlier version filled."""
+    shape = Surface(*blob(2))
+    first = stages.symmetry_of(shape)
+    assert stages.symmetry_of(shape) is first
+    monkeypatch.setattr(stages, "METRIC_WEIGHTS", (0.0, 0.2))
+    assert stages.descriptor_of(shape).weights == (0.0, 0.2)
+    assert stages.symmetry_of(shape) is not first
+    assert sorted(spy.weights) == sorted([*METRIC_WEIGHTS, 0.2])  # that of weight 0 is shared
 
 
 def test_a_descriptor_takes_matrices_from_its_caller(surface: Surface) -> None:
     spy = Spy()
     given = Descriptor(surface, matrix=spy).prepared()
     own = Descriptor(surface).prepared()
-    assert spy.weights == [0.0, 0.03]
+    assert spy.weights == list(METRIC_WEIGHTS)
     for one, other in zip(given.views, own.views, strict=True):
         np.testing.assert_array_equal(one.eigenvalues, other.eigenvalues)
         np.testing.assert_array_equal(one.eigenfunctions, other.eigenfunctions)
@@ -76,7 +88,7 @@ def test_the_mirror_image_costs_no_distances(surface: Surface) -> None:
     spy = Spy()
     shape = Descriptor(surface, matrix=spy).prepared()
     image = shape.mirrored.prepared()
-    assert spy.weights == [0.0, 0.03]
+    assert spy.weights == list(METRIC_WEIGHTS)
     assert image.views is shape.views
     assert image.laplacian is shape.laplacian
     np.testing.assert_array_equal(image.distances([0, 5]), shape.distances([0, 5]))
@@ -101,8 +113,8 @@ def test_everything_is_that_of_the_shape_at_unit_area(surface: Surface) -> None:
 
 
 def test_the_first_eigenfunctions_are_exact_and_the_last_good(surface: Surface) -> None:
-    view = Descriptor(surface, weights=(0.03,)).views[0]
-    matrix = distance_matrix(surface, lifted_metric(surface, weight=0.03)).astype(np.float64) / np.sqrt(surface.area)
+    view = Descriptor(surface, weights=(CURVATURE_WEIGHT,)).views[0]
+    matrix = distance_matrix(surface, lifted_metric(surface)).astype(np.float64) / np.sqrt(surface.area)
     root = np.sqrt(surface.vertex_areas / surface.area)
     values, vectors = eigh(root[:, None] * matrix * root)
     order = np.argsort(-np.abs(values))[:100]
