@@ -13,7 +13,7 @@ from qgeo_filters.matching.likeness import likeness
 from qgeo_filters.matching.search import DISTINCT, differ
 
 # Contenders that are tried, and how much more than the best they may distort distances.
-_CONTENDERS = 8
+_CONTENDERS = 10
 _CONTENDING = 1.7
 # Of these, at most so many are taken further, if they cost no more than this many times the cheapest; and of those
 # whose images are this near in the mean, in sqrt(area), at most so many.

@@ -57,7 +57,7 @@ class Hypothesis:
     metric: int
 
 
-def search(x: Descriptor, y: Descriptor, limit: int = 12, *, identity: bool = True) -> list[Hypothesis]:
+def search(x: Descriptor, y: Descriptor, limit: int = 24, *, identity: bool = True) -> list[Hypothesis]:
     """Distinct coarse maps from X to Y by increasing geodesic distortion, at most ``limit``.
 
     An isometry takes each eigenfunction of the distances to one of the other shape with the same eigenvalue, up to
