@@ -60,7 +60,7 @@ def pyfm_maps(x: TriMesh, y: TriMesh) -> Iterator[tuple[str, np.ndarray, float]]
 def theirs(data: ToscaRemeshed, one: str, other: str, store: PairStore | None) -> Iterator[tuple[str, PairResult]]:
     """Results of pyFM on a pair, kept ones if there are any."""
     category = data.category(one)
-    names = {method: f"{stem}: {one} - {other}" for method, stem in ((FITTED, "pyfm"), (REFINED, "pyfm-zoomout"))}
+    names = {method: f"{stem} {one} - {other}" for method, stem in ((FITTED, "pyfm of"), (REFINED, "zoomout of"))}
     kept = {method: store.load(name, category, KEY) if store else None for method, name in names.items()}
     if all(kept.values()):
         yield from ((method, result) for method, result in kept.items() if result)
