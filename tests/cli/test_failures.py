@@ -200,6 +200,8 @@ def test_process_interrupted_by_a_signal(meshes: Path) -> None:
     """SIGINT in the middle of a picture."""
     code = (
         "import os, signal, time\n"
+        # A shell starts what runs in the background with this signal ignored.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "from qgeo_filters.report import figures\n"
         "def wait(*args):\n"
         "    os.kill(os.getpid(), signal.SIGINT)\n"
