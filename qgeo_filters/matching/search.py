@@ -163,4 +163,5 @@ def displacement(distances: SingleArray, images: IndexArray) -> float:
 
 
 def point_distortion(near_x: SingleArray, near_y: SingleArray, images: IndexArray) -> float:
+    """Mean |d_X(p, q) - d_Y(Tp, Tq)| over all pairs of points, from the distances among them on either shape."""
     return float(np.abs(near_x - near_y[images][:, images]).mean())
