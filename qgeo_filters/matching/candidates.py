@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.descriptor import Descriptor
 from qgeo_filters.matching.extremities import extremity_maps
 from qgeo_filters.matching.finish import grown, spread
@@ -46,8 +47,9 @@ def candidates(x: Descriptor, y: Descriptor, *, identity: bool = True) -> list[C
     # Without the identity, what is left near it may keep distances better than any reflection does.
     bound = _WORTHWHILE * hypotheses[0].distortion + 0.01 if identity and hypotheses else np.inf
     worth = [h for h in hypotheses if h.distortion <= bound]
-    found = [candidate(x, y, grown(x, y, hypothesis)) for hypothesis in worth]
-    found += [candidate(x, y, spread(x, y, guess)) for guess in extremity_maps(x, y, identity=identity)]
+    guesses = extremity_maps(x, y, identity=identity)
+    found = concurrently(lambda hypothesis: candidate(x, y, grown(x, y, hypothesis)), worth)
+    found += concurrently(lambda guess: candidate(x, y, spread(x, y, guess)), guesses)
     return sorted(found, key=lambda c: c.distortion)
 
 

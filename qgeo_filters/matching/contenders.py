@@ -5,12 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from qgeo_filters.matching.candidates import Candidate, between, distortion
+from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.descriptor import Descriptor
-from qgeo_filters.matching.finish import ENDING, SETTLING, TRIAL, Finished, finished
+from qgeo_filters.matching.finish import ENDING, SETTLING, TRIAL, Finished, Pass, finished
 from qgeo_filters.matching.likeness import likeness
 from qgeo_filters.matching.search import DISTINCT, differ
+
+IndexArray = npt.NDArray[np.int64]
 
 # Contenders that are tried, and how much more than the best they may distort distances.
 _CONTENDERS = 10
@@ -95,7 +99,7 @@ def contenders(x: Descriptor, y: Descriptor, pool: list[Candidate]) -> list[Cont
         near = len(tried) < _CONTENDERS and c.distortion <= _CONTENDING * best + 0.01
         if near and all(differ(between(y, c.p2p, t.p2p)) for t in tried):
             tried.append(c)
-    return sorted((_contender(x, y, finished(x, y, c.p2p, TRIAL)) for c in tried), key=lambda c: c.cost)
+    return sorted(_taken_further(x, y, [c.p2p for c in tried], TRIAL), key=lambda c: c.cost)
 
 
 def decided(x: Descriptor, y: Descriptor, pool: list[Candidate], apart: float = DISTINCT) -> Decision:
@@ -110,7 +114,7 @@ def decided(x: Descriptor, y: Descriptor, pool: list[Candidate], apart: float = 
         kin = [t for t in close if between(y, c.result.p2p, t.result.p2p).mean() < _KIN]
         if near and len(kin) < _MOST_KIN:
             close.append(c)
-    ends = [_contender(x, y, finished(x, y, c.result.p2p, SETTLING)) for c in close]
+    ends = _taken_further(x, y, [c.result.p2p for c in close], SETTLING)
     order = sorted(range(len(close)), key=lambda i: ends[i].cost)
     best, trial = ends[order[0]], close[order[0]]
 
@@ -124,6 +128,10 @@ def decided(x: Descriptor, y: Descriptor, pool: list[Candidate], apart: float = 
     return Decision(
         finished(x, y, best.result.p2p, ENDING), best.distortion, margin, rival.distortion if rival else np.inf
     )
+
+
+def _taken_further(x: Descriptor, y: Descriptor, maps: list[IndexArray], passes: tuple[Pass, ...]) -> list[Contender]:
+    return concurrently(lambda p2p: _contender(x, y, finished(x, y, p2p, passes)), maps)
 
 
 def _contender(x: Descriptor, y: Descriptor, result: Finished) -> Contender:

@@ -17,19 +17,19 @@ def covariances(
     edges: FloatArray,
     positions: FloatArray,
 ) -> FloatArray:
-    """Sum of w (p_i - p_j) (x_i - x_j)^T over the neighbours of each vertex, (3, n, 3), rows first.
+    """Sum of w (p_i - p_j) (x_i - x_j)^T over the neighbours of each vertex, (n, 3, 3).
 
     The half-edges from vertex i are ``starts[i]:starts[i + 1]``; ``edges`` are x_i - x_j.
     """
     n = len(starts) - 1
-    result = np.zeros((3, n, 3))
+    result = np.zeros((n, 3, 3))
     for i in range(n):
         for e in range(starts[i], starts[i + 1]):
             j = heads[e]
             for a in range(3):
                 moved = weights[e] * (positions[i, a] - positions[j, a])
                 for b in range(3):
-                    result[a, i, b] += moved * edges[e, b]
+                    result[i, a, b] += moved * edges[e, b]
     return result
 
 

@@ -17,7 +17,7 @@ IndexArray = npt.NDArray[np.int64]
 
 # Farthest points on which the eigenfunctions of the distances are brought together.
 _GROWTH_POINTS = 800
-_GROWTH_STEP = 5
+_GROWTH_STEP = 10
 # Eigenfunctions of the Laplacian that carry a map of farthest points to all vertices.
 _SPREAD = 20
 

@@ -10,12 +10,15 @@ from collections.abc import Iterable
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial import cKDTree
 
 FloatArray = npt.NDArray[np.float64]
 IndexArray = npt.NDArray[np.int64]
 
 # Rows of the similarity matrix at once.
 _BLOCK = 1024
+# Rows from which on a search is shared by all cores.
+_THREADED = 3000
 
 
 def nearest(points: npt.NDArray, others: npt.NDArray) -> IndexArray:
@@ -31,24 +34,15 @@ def nearest(points: npt.NDArray, others: npt.NDArray) -> IndexArray:
 
 
 def nearest_both(points: npt.NDArray, others: npt.NDArray) -> tuple[IndexArray, IndexArray]:
-    """Nearest row of others (m, d) to each of points (n, d), and the reverse, shapes (n,) and (m,)."""
-    half = 0.5 * np.einsum("ij,ij->i", points, points)
-    other_half = 0.5 * np.einsum("ij,ij->i", others, others)
-    forth = np.empty(len(points), dtype=np.int64)
-    back = np.zeros(len(others), dtype=np.int64)
-    best = np.full(len(others), -np.inf, dtype=points.dtype)
-    columns = np.arange(len(others))
-    for first in range(0, len(points), _BLOCK):
-        part = slice(first, first + _BLOCK)
-        similarity = points[part] @ others.T
-        forth[part] = (similarity - other_half).argmax(axis=1)
-        similarity -= half[part, None]
-        row = similarity.argmax(axis=0)
-        value = similarity[row, columns]
-        better = value > best
-        best[better] = value[better]
-        back[better] = row[better] + first
-    return forth, back
+    """Nearest row of others (m, d) to each of points (n, d), and the reverse, shapes (n,) and (m,).
+
+    Both lie near surfaces: a few columns, such as positions, should vary by much more than the rest, so that a tree
+    leaves out most rows; for eigenfunctions alone `nearest` is faster.
+    """
+    workers = 1 if max(len(points), len(others)) < _THREADED else -1
+    forth = cKDTree(others).query(points, workers=workers)[1]
+    back = cKDTree(points).query(others, workers=workers)[1]
+    return np.asarray(forth, dtype=np.int64), np.asarray(back, dtype=np.int64)
 
 
 def functional_map(

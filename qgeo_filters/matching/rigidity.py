@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+from collections import OrderedDict
 from collections.abc import Callable
 
 import igl
@@ -17,6 +19,8 @@ Solve = Callable[[FloatArray], FloatArray]
 
 # Obtuse triangles have negative cotangents, which would reward bending; relative to the mean weight.
 _LEAST_WEIGHT = 1e-3
+# Factorisations that are kept, the last used ones: contenders go through the same pulls one after the other.
+_FACTORS = 24
 
 
 class Rigidity:
@@ -49,21 +53,24 @@ class Rigidity:
         self._laplacian = sparse.diags_array(np.asarray(symmetric.sum(axis=1)).ravel()) - symmetric
         neighbours = sparse.csr_matrix((np.ones(len(heads)), heads, starts), (n, n)) + sparse.eye_array(n)
         self._mean = sparse.csr_array(sparse.diags_array(1 / np.asarray(neighbours.sum(axis=1)).ravel()) @ neighbours)
-        self._pull: FloatArray = np.zeros(0)
-        self._solve: Solve | None = None
+        self._factors: OrderedDict[bytes, Solve] = OrderedDict()
 
     def __getstate__(self) -> dict[str, object]:
         # SuperLU's factors cannot be pickled.
-        return {**self.__dict__, "_pull": np.zeros(0), "_solve": None}
+        return {**self.__dict__, "_factors": OrderedDict()}
 
     def pulled(self, pull: FloatArray) -> Solve:
         """Solver of the positions for right-hand sides (n, 3); factorised once for the pull s (n,)."""
-        if self._solve is None or not np.array_equal(pull, self._pull):
+        key = hashlib.sha256(pull.tobytes()).digest()
+        solve = self._factors.pop(key, None)
+        if solve is None:
             matrix = sparse.csc_matrix(self._laplacian + sparse.diags_array(pull))
             options = {"SymmetricMode": True}
-            self._pull = pull.copy()
-            self._solve = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options).solve
-        return self._solve
+            solve = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options).solve
+        self._factors[key] = solve
+        if len(self._factors) > _FACTORS:
+            self._factors.popitem(last=False)
+        return solve
 
     def step(
         self, solve: Solve, pull: FloatArray, positions: FloatArray, targets: FloatArray, smooth: int
@@ -77,9 +84,11 @@ class Rigidity:
         return strain(*self._half_edges, self._rotations(positions, 0), positions)
 
     def _rotations(self, positions: FloatArray, smooth: int) -> FloatArray:
-        rows = covariances(*self._half_edges, positions)
+        sums = covariances(*self._half_edges, positions)
+        flat = sums.reshape(-1, 9)
         for _ in range(smooth):
-            rows = np.stack([self._mean @ row for row in rows])
+            flat = np.asarray(self._mean @ flat)
         # libigl takes the first rows of all matrices, then the second ones, and returns all transposes side by side.
-        rotations: FloatArray = igl.fit_rotations(rows.reshape(-1, 3), True).reshape(3, -1, 3).transpose(1, 2, 0)
+        rows = flat.reshape(-1, 3, 3).transpose(1, 0, 2).reshape(-1, 3)
+        rotations: FloatArray = igl.fit_rotations(rows, True).reshape(3, -1, 3).transpose(1, 2, 0)
         return np.ascontiguousarray(rotations)
