@@ -19,6 +19,9 @@ IndexArray = npt.NDArray[np.int64]
 
 # Maps that distort distances by more than this times the best are not worth growing.
 _WORTHWHILE = 2.0
+# Distortion of a coarse map below which the next ones count as well: a shape that turns onto itself has many as good as
+# the identity between two copies of one mesh, but for the rounding to farthest points.
+_ROUGH = 0.02
 # Points between which distances are compared.
 _POINTS = 300
 
@@ -45,7 +48,7 @@ def candidates(x: Descriptor, y: Descriptor, *, identity: bool = True) -> list[C
     """Different maps from X to Y, the least distorting first; see `search` for ``identity``."""
     hypotheses = search(x, y, identity=identity)
     # Without the identity, what is left near it may keep distances better than any reflection does.
-    bound = _WORTHWHILE * hypotheses[0].distortion + 0.01 if identity and hypotheses else np.inf
+    bound = _WORTHWHILE * max(hypotheses[0].distortion, _ROUGH) + 0.01 if identity and hypotheses else np.inf
     worth = [h for h in hypotheses if h.distortion <= bound]
     guesses = extremity_maps(x, y, identity=identity)
     found = concurrently(lambda hypothesis: candidate(x, y, grown(x, y, hypothesis)), worth)

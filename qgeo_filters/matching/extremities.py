@@ -6,7 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.matching.descriptor import Descriptor
-from qgeo_filters.matching.search import NEAR_IDENTITY, Hypothesis, displacement, distinct, point_distortion
+from qgeo_filters.matching.distorting import point_distortions
+from qgeo_filters.matching.search import NEAR_IDENTITY, Hypothesis, between_samples, displacement, distinct
 
 FloatArray = npt.NDArray[np.float64]
 SingleArray = npt.NDArray[np.float32]
@@ -45,20 +46,22 @@ def extremity_maps(x: Descriptor, y: Descriptor, limit: int = 6, *, identity: bo
     """
     s = min(_POINTS, len(x.rows), len(y.rows))
     points_x, points_y = x.samples[:s], y.samples[:s]
-    near_x, near_y = x.rows[:s, points_x], y.rows[:s, points_y]
+    near_x, near_y = between_samples(x.rows, points_x), between_samples(y.rows, points_y)
     ends_x, ends_y = extremities(x), extremities(y)
     to_x, to_y = x.rows[ends_x][:, points_x].T, y.rows[ends_y][:, points_y].T
-    found: list[tuple[float, IndexArray]] = []
+    found: list[IndexArray] = []
     for matching in _matchings(x, y, ends_x, ends_y, identity):
         matched = matching >= 0
         if matched.sum() >= _FEWEST:
             left, right = to_x[:, matched], to_y[:, matching[matched]]
             images = np.abs(left[:, None] - right[None]).sum(axis=2).argmin(axis=1)
             if identity or displacement(near_y, images) > NEAR_IDENTITY:
-                found.append((point_distortion(near_x, near_y, images), images))
-    found.sort(key=lambda pair: pair[0])
-    kept = distinct([images for _, images in found], near_y, limit)
-    return [Hypothesis(points_x, points_y[found[i][1]], found[i][0], 0) for i in kept]
+                found.append(images)
+    maps = np.array(found, dtype=np.int64).reshape(-1, s)
+    distortions = point_distortions(near_x, near_y, maps)
+    order = np.argsort(distortions, kind="stable")
+    kept = order[distinct(list(maps[order]), near_y, limit)]
+    return [Hypothesis(points_x, points_y[maps[i]], float(distortions[i]), 0) for i in kept]
 
 
 def _matchings(x: Descriptor, y: Descriptor, ends_x: IndexArray, ends_y: IndexArray, identity: bool) -> IndexArray:

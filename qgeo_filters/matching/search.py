@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.matching.descriptor import Descriptor, MetricView
+from qgeo_filters.matching.distorting import point_distortions
 from qgeo_filters.matching.refine import nearest, orthogonal
 
 FloatArray = npt.NDArray[np.float64]
@@ -70,12 +71,12 @@ def search(x: Descriptor, y: Descriptor, limit: int = 24, *, identity: bool = Tr
     equal vertices, maps near the identity are left out.
     """
     s = min(_POINTS, len(x.samples), len(y.samples))
-    near = x.rows[:s, x.samples[:s]], y.rows[:s, y.samples[:s]]
+    near = between_samples(x.rows, x.samples[:s]), between_samples(y.rows, y.samples[:s])
     found: list[Hypothesis] = []
     for metric, (view_x, view_y) in enumerate(zip(x.views, y.views, strict=False)):
-        for images in _grown_maps(view_x, view_y, x.samples[:s], y.samples[:s], identity):
-            hypothesis = Hypothesis(x.samples[:s], y.samples[images], point_distortion(*near, images), metric)
-            found.append(hypothesis)
+        maps = _grown_maps(view_x, view_y, x.samples[:s], y.samples[:s], identity)
+        for images, distortion in zip(maps, point_distortions(*near, maps), strict=True):
+            found.append(Hypothesis(x.samples[:s], y.samples[images], float(distortion), metric))
     found.sort(key=lambda hypothesis: hypothesis.distortion)
     place = np.zeros(y.n_vertices, dtype=np.int64)
     place[y.samples[:s]] = np.arange(s)
@@ -119,14 +120,12 @@ def orders(values_x: FloatArray, values_y: FloatArray, count: int) -> Iterator[t
             yield tuple(order)
 
 
-def _grown_maps(
-    x: MetricView, y: MetricView, points_x: IndexArray, points_y: IndexArray, identity: bool
-) -> list[IndexArray]:
-    """Maps (s,) into ``points_y`` of the best choices of signs and orders, the least distorting first."""
+def _grown_maps(x: MetricView, y: MetricView, points_x: IndexArray, points_y: IndexArray, identity: bool) -> IndexArray:
+    """Maps (h, s) into ``points_y`` of the best choices of signs and orders, the least distorting first."""
     phi_x, phi_y = x.eigenfunctions[points_x], y.eigenfunctions[points_y]
     width = min(phi_x.shape[1], phi_y.shape[1], _GROWN)
     start = min(_ENUMERATED, width)
-    near_x, near_y = x.rows[: len(points_x), points_x], y.rows[: len(points_y), points_y]
+    near_x, near_y = between_samples(x.rows, points_x), between_samples(y.rows, points_y)
     # The first eigenfunction has one sign over the surface (D is positive), and canonical signs make it positive.
     signs = np.array(list(itertools.product((1, -1), repeat=start - 1)), dtype=np.float32)
     signs = np.column_stack([np.ones(len(signs), np.float32), signs])
@@ -149,19 +148,19 @@ def _grown_maps(
                 maps = maps[[displacement(near_y, images) > NEAR_IDENTITY for images in maps]]
             maps = _least_distorting(maps, near_x, near_y, max(len(maps) // 3, _SURVIVORS))
     maps = _least_distorting(maps, near_x, near_y, len(maps))
-    return [maps[i] for i in distinct(list(maps), near_y, _SURVIVORS)]
+    return maps[distinct(list(maps), near_y, _SURVIVORS)]
+
+
+def between_samples(rows: SingleArray, samples: IndexArray) -> SingleArray:
+    """Distances (s, s) among the first farthest points, from their rows."""
+    return np.ascontiguousarray(rows[: len(samples), samples])
 
 
 def _least_distorting(maps: IndexArray, near_x: SingleArray, near_y: SingleArray, count: int) -> IndexArray:
-    values = np.array([point_distortion(near_x, near_y, images) for images in maps])
+    values = point_distortions(near_x, near_y, maps)
     return maps[np.argsort(values, kind="stable")[:count]]
 
 
 def displacement(distances: SingleArray, images: IndexArray) -> float:
     """Mean distance of a map of a shape to itself from the identity."""
     return float(distances[images, np.arange(len(images))].mean())
-
-
-def point_distortion(near_x: SingleArray, near_y: SingleArray, images: IndexArray) -> float:
-    """Mean |d_X(p, q) - d_Y(Tp, Tq)| over all pairs of points, from the distances among them on either shape."""
-    return float(np.abs(near_x - near_y[images][:, images]).mean())
