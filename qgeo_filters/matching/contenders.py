@@ -10,7 +10,7 @@ import numpy.typing as npt
 from qgeo_filters.matching.candidates import Candidate, between, distortion
 from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.descriptor import Descriptor
-from qgeo_filters.matching.finish import ENDING, SETTLING, TRIAL, Finished, Pass, finished
+from qgeo_filters.matching.finish import ENDING, RECONSIDERING, SETTLING, TRIAL, Finished, Pass, finished
 from qgeo_filters.matching.likeness import likeness
 from qgeo_filters.matching.search import DISTINCT, differ
 
@@ -21,8 +21,10 @@ _CONTENDERS = 10
 _CONTENDING = 1.7
 # Of these, at most so many are taken further, if they cost no more than this many times the cheapest; and of those
 # whose images are this near in the mean, in sqrt(area), at most so many.
-_CLOSEST, _CLOSE = 4, 4.0
+_CLOSEST, _CLOSE = 4, 6.0
 _KIN, _MOST_KIN = 0.1, 2
+# And of those so many are reconsidered.
+_RECONSIDERED = 2
 # An edge is torn if its ends are mapped this many mean edges apart.
 _TORN = 3.0
 # Shares of torn edges and folded triangles, strains and distortions below these do not tell maps apart.
@@ -115,6 +117,10 @@ def decided(x: Descriptor, y: Descriptor, pool: list[Candidate], apart: float = 
         if near and len(kin) < _MOST_KIN:
             close.append(c)
     ends = _taken_further(x, y, [c.result.p2p for c in close], SETTLING)
+    first = sorted(range(len(close)), key=lambda i: ends[i].cost)[:_RECONSIDERED]
+    again = _taken_further(x, y, [ends[i].result.p2p for i in first], RECONSIDERING)
+    for i, c in zip(first, again, strict=True):
+        ends[i] = min(ends[i], c, key=lambda c: c.cost)
     order = sorted(range(len(close)), key=lambda i: ends[i].cost)
     best, trial = ends[order[0]], close[order[0]]
 

@@ -27,6 +27,8 @@ IndexArray = npt.NDArray[np.int64]
 #: Weights of mean curvature in the metrics that propose maps: the surface's own metric and two lifted ones; their
 #: proposals differ. The last is that of the paper's functions.
 METRIC_WEIGHTS = (0.0, 0.03, CURVATURE_WEIGHT)
+#: Times of heat, in units of the area: a paw, a limb and a half of the shape.
+HEAT_TIMES = (0.003, 0.01, 0.03)
 #: Fewest vertices of a shape that can be matched: the search needs more points than eigenfunctions.
 MINIMUM_VERTICES = 60
 # Eigenfunctions of the distances and of the Laplacian, and farthest points.
@@ -123,7 +125,7 @@ class Descriptor:
 
     def prepared(self) -> Descriptor:
         """The same descriptor, with everything that matching takes from it computed now."""
-        for name in ("views", "laplacian", "normals"):  # cached properties: looking at one computes it
+        for name in ("views", "laplacian", "normals", "heat_kernels"):  # cached properties: looking at one computes it
             getattr(self, name)
         return self
 
@@ -182,6 +184,12 @@ class Descriptor:
         if not self.laplacian.size:  # computed together
             raise AssertionError("a matchable shape has eigenfunctions")
         return self._laplacian_eigenvalues
+
+    @cached_property
+    def heat_kernels(self) -> FloatArray:
+        """Logarithm of the heat kernel h(t; p, p) at each of ``HEAT_TIMES``, (n, 3)."""
+        squares = self.laplacian.astype(np.float64) ** 2
+        return frozen(np.log(squares @ np.exp(-np.outer(self.laplacian_eigenvalues, HEAT_TIMES))))
 
     @cached_property
     def rigidity(self) -> Rigidity:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -43,6 +43,9 @@ class Pass:
         Whether the deformation starts afresh from the low frequencies of the map, limbs shrunk to their axes, with
         rotations of wide neighbourhoods: how a limb is turned about its axis then follows from the body that it
         grows on, not from the map.
+    kernels : float
+        Weight of the heat kernels against positions: they tell the front of a head from its back, which hardly strains
+        the neck.
     """
 
     sizes: tuple[int, ...]
@@ -52,6 +55,7 @@ class Pass:
     turns: int = 3
     full: int = 1000
     untwist: bool = False
+    kernels: float = 0.0
 
 
 _SIZES = (20, 30, 45, 65, 90, 120, 160, 200)
@@ -59,6 +63,9 @@ _SIZES = (20, 30, 45, 65, 90, 120, 160, 200)
 #: the end.
 SETTLING = (Pass((20, 20, 30), 0.15, 0.08, 0.03, turns=6, untwist=True), Pass(_SIZES, 0.05, 0.02, 0.07))
 ENDING = (Pass(_SIZES, 0.03, 0.015, 0.03, full=90),)
+#: As settling, but led by the heat kernels: right where a head had been turned about its axis, sometimes wrong
+#: elsewhere, so that the cost must decide.
+RECONSIDERING = (replace(SETTLING[0], kernels=0.5), SETTLING[1])
 #: Enough to tell which of several maps is right.
 TRIAL = (Pass((20, 30, 45), 0.05, 0.035, 0.07, untwist=True),)
 # Matchings at each size.
@@ -169,6 +176,9 @@ class _State:
             deformed = x.unit.with_vertices(self.positions)
             left = [weight * (x.laplacian[:, :k] @ functional), self.positions, stage.normals * deformed.vertex_normals]
             right = [weight * y.laplacian[:, :k], y.unit.vertices, stage.normals * y.normals]
+            if stage.kernels:
+                left.append(stage.kernels * x.heat_kernels)
+                right.append(stage.kernels * y.heat_kernels)
             self.embeddings = np.column_stack(left).astype(np.float32), np.column_stack(right).astype(np.float32)
             self.points_x = x.samples[:_COARSE] if coarse else np.arange(x.n_vertices)
             self.points_y = y.samples[:_COARSE] if coarse else np.arange(y.n_vertices)

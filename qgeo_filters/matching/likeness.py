@@ -9,8 +9,8 @@ from qgeo_filters.matching.descriptor import Descriptor
 
 FloatArray = npt.NDArray[np.float64]
 
-# Times of heat, in units of the area: a limb and a half of the shape.
-_TIMES = (0.01, 0.03)
+# Of the times of heat the last ones: the first one tells right maps from wrong ones, but varies between poses.
+_TIMES = slice(1, None)
 
 
 def likeness(x: Descriptor, y: Descriptor, p2p: npt.NDArray[np.int64]) -> float:
@@ -24,12 +24,8 @@ def likeness(x: Descriptor, y: Descriptor, p2p: npt.NDArray[np.int64]) -> float:
     Sun, Ovsjanikov, Guibas, "A concise and provably informative multi-scale signature based on heat diffusion",
     SGP 2009.
     """
-    return min(_agreement(_log_kernel(x, time), _log_kernel(y, time)[p2p], x.areas) for time in _TIMES)
-
-
-def _log_kernel(shape: Descriptor, time: float) -> FloatArray:
-    kernel: FloatArray = (np.exp(-shape.laplacian_eigenvalues * time) * shape.laplacian**2).sum(axis=1)
-    return np.log(kernel)
+    here, there = x.heat_kernels[:, _TIMES], y.heat_kernels[p2p][:, _TIMES]
+    return min(_agreement(one, other, x.areas) for one, other in zip(here.T, there.T, strict=True))
 
 
 def _agreement(one: FloatArray, other: FloatArray, areas: FloatArray) -> float:
