@@ -12,6 +12,8 @@ from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.descriptor import Descriptor
 from qgeo_filters.matching.finish import ENDING, RECONSIDERING, SETTLING, TRIAL, Finished, Pass, finished
 from qgeo_filters.matching.likeness import likeness
+from qgeo_filters.matching.limbs import leaves_limbs
+from qgeo_filters.matching.parts import turned_parts
 from qgeo_filters.matching.search import DISTINCT, differ
 
 IndexArray = npt.NDArray[np.int64]
@@ -30,6 +32,16 @@ _TORN = 3.0
 # Shares of torn edges and folded triangles, strains and distortions below these do not tell maps apart.
 _LEAST_TORN, _LEAST_FOLDED, _LEAST_STRAIN, _LEAST_DISTORTION = 1e-3, 5e-4, 1e-3, 1e-4
 _LEAST_UNLIKE = 5e-3
+# Maps of a shape to its mirror image that relate parts as different as that, its front to its back, are no reflections.
+_ALIKE = 0.9
+# A map that leaves limbs in place, which another one exchanges, is none, unless that one costs this many times as much
+# or is less alike.
+_AT_REST, _MORE_ALIKE = 30.0, 0.96
+# Times that parts of the best map are turned, as long as it costs no more than this many times the cheapest (a part
+# that is right in the large may need another turn to fit), and most parts at a time.
+_TURNED, _PATIENCE, _MOST_PARTS = 3, 1.5, 2
+# Mean distance between images, in sqrt(area), up to which maps are the same.
+_TURNED_BACK = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,12 +116,17 @@ def contenders(x: Descriptor, y: Descriptor, pool: list[Candidate]) -> list[Cont
     return sorted(_taken_further(x, y, [c.p2p for c in tried], TRIAL), key=lambda c: c.cost)
 
 
-def decided(x: Descriptor, y: Descriptor, pool: list[Candidate], apart: float = DISTINCT) -> Decision:
+def decided(
+    x: Descriptor, y: Descriptor, pool: list[Candidate], apart: float = DISTINCT, *, mirror: bool = False
+) -> Decision:
     """The best of the maps, finished on all vertices: of those that cost little on trial the one that ends cheapest.
 
     Rivals are contenders whose images are ``apart`` in the mean, in sqrt(area), from those of the best.
+    With ``mirror``, Y is X's mirror image of the same vertices.
     """
     ranked = contenders(x, y, pool)
+    if mirror:
+        ranked = _reflections(x, ranked)
     close: list[Contender] = []
     for c in ranked:
         near = len(close) < _CLOSEST and c.cost <= _CLOSE * ranked[0].cost
@@ -131,9 +148,36 @@ def decided(x: Descriptor, y: Descriptor, pool: list[Candidate], apart: float = 
     rivals = [(ends[i].cost / best.cost, ends[i]) for i in order[1:] if elsewhere(ends[i])]
     rivals += [(c.cost / trial.cost, c) for c in ranked if not any(c is t for t in close) and elsewhere(c)]
     margin, rival = min(rivals, key=lambda pair: pair[0], default=(np.inf, None))
+    if mirror:
+        best = _turned(x, y, best)
     return Decision(
         finished(x, y, best.result.p2p, ENDING), best.distortion, margin, rival.distortion if rival else np.inf
     )
+
+
+def _reflections(x: Descriptor, ranked: list[Contender]) -> list[Contender]:
+    """Those contenders for a reflection of X that may be one, in the same order."""
+    alike = [c for c in ranked if c.likeness > _ALIKE] or ranked
+
+    def in_place(c: Contender) -> bool:
+        whole = [o for o in alike if o is not c and o.cost < _AT_REST * c.cost and o.likeness > _MORE_ALIKE]
+        return any(leaves_limbs(x, c.result.p2p, o.result.p2p) for o in whole)
+
+    return [c for c in alike if not in_place(c)]
+
+
+def _turned(x: Descriptor, y: Descriptor, best: Contender) -> Contender:
+    """The contender, or a cheaper one in which parts are turned."""
+    last = best
+    for _ in range(_TURNED):
+        ends = _taken_further(x, y, turned_parts(x, y, last.result)[:_MOST_PARTS], TRIAL + SETTLING)
+        # A part that was turned for nothing has turned back; of the others the one that fits best is gone on with.
+        ends = [c for c in ends if float(between(y, c.result.p2p, last.result.p2p).mean()) > _TURNED_BACK]
+        best = min(best, *ends, key=lambda c: c.cost) if ends else best
+        if not ends or ends[0].cost > _PATIENCE * best.cost:
+            break
+        last = ends[0]
+    return best
 
 
 def _taken_further(x: Descriptor, y: Descriptor, maps: list[IndexArray], passes: tuple[Pass, ...]) -> list[Contender]:

@@ -121,7 +121,7 @@ def _found(x: Descriptor, tolerance: float) -> Symmetry:
     reflections = [c for c in candidates(x, x.mirrored, identity=False) if c.orientation > 0]
     if not reflections:
         return _none(x, "no map of the shape to its mirror image keeps distances even roughly")
-    decision = decided(x, x.mirrored, reflections, _ELSEWHERE)
+    decision = decided(x, x.mirrored, reflections, _ELSEWHERE, mirror=True)
     margin = decision.margin
     if margin < _MARGIN and decision.distortion < tolerance:
         return _none(
