@@ -163,7 +163,7 @@ def _reflections(x: Descriptor, ranked: list[Contender]) -> list[Contender]:
         whole = [o for o in alike if o is not c and o.cost < _AT_REST * c.cost and o.likeness > _MORE_ALIKE]
         return any(leaves_limbs(x, c.result.p2p, o.result.p2p) for o in whole)
 
-    return [c for c in alike if not in_place(c)]
+    return [c for c in alike if not in_place(c)] or alike
 
 
 def _turned(x: Descriptor, y: Descriptor, best: Contender) -> Contender:

@@ -31,6 +31,9 @@ _ELSEWHERE = 0.1
 # Likeness of mirror points: posed animals (TOSCA's cat, dog and centaur) have .96 to 1, random smooth blobs .91 to .96
 # under their best reflection, but for those that are nearly symmetric.
 _ALIKE = 0.96
+# A pose that changes the surroundings changes distances, too: how much less than 1 the likeness may be, as a multiple
+# of the distortion (the posed animals have at most .5, the two blobs that are the most alike 1.4 and 1.6); or this.
+_UNLIKE, _LEAST_UNLIKE = 1.0, 0.015
 # Points to which distances are compared for the asymmetry.
 _PROBES = 200
 
@@ -137,7 +140,7 @@ def _found(x: Descriptor, tolerance: float) -> Symmetry:
             f"in the mean, more than the tolerance of {tolerance:g}",
         )
     alike = likeness(x, x, found.nearest)
-    if alike < _ALIKE:
+    if alike < max(_ALIKE, 1 - max(_UNLIKE * found.distortion, _LEAST_UNLIKE)):
         return _none(
             x,
             f"the best map of the shape to its mirror image keeps distances to {found.distortion:.3f} sqrt(area), but "

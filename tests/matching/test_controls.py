@@ -102,10 +102,10 @@ def test_a_creature_without_left_and_right_has_no_symmetry(seed: int) -> None:
     assert_none(described(seed), "")
 
 
-@pytest.mark.parametrize("seed", [4, 7])
-def test_a_smooth_blob_without_left_and_right_has_no_symmetry(seed: int) -> None:
-    """Of the first ten, those that are farthest (.016 sqrt(area), root mean square) from any mirror image."""
-    assert_none(Surface(*blob(3, seed)), "")
+@pytest.mark.parametrize(("seed", "strength"), [(4, 0.35), (7, 0.35), (8, 0.35), (2, 0.8)])
+def test_a_smooth_blob_without_left_and_right_has_no_symmetry(seed: int, strength: float) -> None:
+    """Of the first ten of either strength two that are farthest from any mirror image, and two that are nearest."""
+    assert_none(Surface(*blob(3, seed, strength)), "")
 
 
 @pytest.mark.parametrize(
