@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from qgeo_filters.evaluation import ToscaRemeshed, markdown, rows_by_category
-from qgeo_filters.evaluation.measure import PairFailure, PairStore, measured
+from qgeo_filters.evaluation.measure import PairFailure, PairStore, by_target, measured
 
 TUNING = ("cat", "dog", "centaur")
 TEST = ("horse", "michael", "victoria", "wolf")
@@ -35,7 +35,7 @@ def main() -> None:
     for category in arguments.categories:
         pairs = list(data.pairs(category))
         np.random.default_rng(0).shuffle(pairs)
-        for result in measured(data, pairs[: arguments.pairs], "match", store):
+        for result in measured(data, by_target(pairs[: arguments.pairs]), "match", store):
             if isinstance(result, PairFailure):
                 raise result.error
             results.append(result)

@@ -55,7 +55,7 @@ def evaluate(
 
     from qgeo_filters.cli.job import Job
     from qgeo_filters.evaluation import markdown, rows_by_category
-    from qgeo_filters.evaluation.measure import PairFailure, PairStore, measured
+    from qgeo_filters.evaluation.measure import PairFailure, PairStore, by_target, measured
     from qgeo_filters.report.curves import plot_error_curve
 
     if pairs is not None and pairs < 1:
@@ -72,7 +72,7 @@ def evaluate(
     for name in _categories(data, category):
         every = list(data.pairs(name)) if what == "match" else [(one, one) for one in data.names(name)]
         with job.stage(name):
-            for outcome in measured(data, _chosen(every, pairs, seed), what, store):
+            for outcome in measured(data, by_target(_chosen(every, pairs, seed)), what, store):
                 if isinstance(outcome, PairFailure):
                     failures.append(outcome)
                     typer.echo(f"qgeo: {outcome.name}: {outcome.reason}", err=True)

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 import qgeo_filters
 from qgeo_filters.atomic import atomic_write
@@ -20,9 +21,11 @@ from qgeo_filters.caching import content_key
 from qgeo_filters.evaluation.datasets import Dataset, PointMap
 from qgeo_filters.evaluation.errors import SymmetricErrors, geodesic_error, symmetric_errors
 from qgeo_filters.evaluation.tables import PairResult
+from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.descriptor import Descriptor
 from qgeo_filters.matching.symmetry import self_symmetry
+from qgeo_filters.surface import Surface
 
 What = Literal["match", "symmetry"]
 
@@ -108,7 +111,8 @@ def measured(
     data : Dataset
     pairs : iterable of (str, str)
         Names of shapes; for symmetries the same name twice. Each shape is prepared once, and kept (10 kB a vertex)
-        until its last pair.
+        until its last pair. Distances on Y, by which errors are measured, are kept from one pair to the next: pairs of
+        one Y should stand together (`by_target`).
     what : {"match", "symmetry"}
         The correspondence from the first to the second, or the symmetry of the first (of the identity, where none is
         found).
@@ -123,6 +127,7 @@ def measured(
     pairs = list(pairs)
     awaited = Counter(name for pair in pairs for name in pair)
     shapes: dict[str, Descriptor] = {}
+    ruler = _Ruler()
     for x, y in pairs:
         name = f"{x} - {y}" if what == "match" else f"symmetry of {x}"
         outcome: PairResult | PairFailure
@@ -134,7 +139,7 @@ def measured(
             mirror = _mirror(data, y) if what == "match" else None
             key = _key(what, shapes[x], shapes[y], truth, mirror)
             kept = store.load(name, data.category(x), key) if store else None
-            outcome = kept or _measured(name, data.category(x), shapes[x], shapes[y], truth, mirror, what)
+            outcome = kept or _measured(name, data.category(x), shapes[x], shapes[y], truth, mirror, what, ruler)
             if store and not kept:
                 store.save(outcome, key)
         except Exception as error:  # of any kind: a night's work must not end with one bad mesh
@@ -146,8 +151,38 @@ def measured(
         yield outcome
 
 
+def by_target(pairs: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
+    """The pairs with those of one target together, as `measured` likes them."""
+    pairs = list(pairs)
+    first: dict[str, int] = {}
+    for place, (_, y) in enumerate(pairs):
+        first.setdefault(y, place)
+    return sorted(pairs, key=lambda pair: first[pair[1]])
+
+
+class _Ruler:
+    """All distances on the surface that was asked for last."""
+
+    def __init__(self) -> None:
+        self._surface: Surface | None = None
+        self._matrix: npt.NDArray[np.float32] = np.zeros((0, 0), np.float32)
+
+    def __call__(self, surface: Surface) -> npt.NDArray[np.float32]:
+        if self._surface is not surface:
+            self._matrix = np.zeros((0, 0), np.float32)  # freed before the next one is made
+            self._matrix, self._surface = distance_matrix(surface), surface
+        return self._matrix
+
+
 def _measured(
-    name: str, category: str, x: Descriptor, y: Descriptor, truth: PointMap, mirror: PointMap | None, what: What
+    name: str,
+    category: str,
+    x: Descriptor,
+    y: Descriptor,
+    truth: PointMap,
+    mirror: PointMap | None,
+    what: What,
+    ruler: _Ruler,
 ) -> PairResult:
     x.prepared()
     y.prepared()
@@ -160,10 +195,11 @@ def _measured(
         p2p, confident = symmetry.nearest, symmetry.found
     seconds = time.process_time() - started
     image, target = p2p[truth.points], y.surface
+    matrix = ruler(target)
     if mirror is not None:
-        errors = symmetric_errors(image, truth.images, mirror.images, target)
+        errors = symmetric_errors(image, truth.images, mirror.images, target, matrix=matrix)
     else:  # a mirrored map cannot be told from a wrong one
-        direct = geodesic_error(image, truth.images, target)
+        direct = geodesic_error(image, truth.images, target, matrix=matrix)
         errors = SymmetricErrors(direct, direct)
     return PairResult(name, category, errors, confident, seconds, p2p)
 

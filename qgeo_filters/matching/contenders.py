@@ -10,7 +10,7 @@ import numpy.typing as npt
 from qgeo_filters.matching.candidates import Candidate, between, distortion
 from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.descriptor import Descriptor
-from qgeo_filters.matching.finish import ENDING, RECONSIDERING, SETTLING, TRIAL, Finished, Pass, finished
+from qgeo_filters.matching.finish import ENDING, RECONSIDERING, SETTLING, TRIAL, Finished, Pass, factorised, finished
 from qgeo_filters.matching.likeness import likeness
 from qgeo_filters.matching.limbs import leaves_limbs
 from qgeo_filters.matching.parts import turned_parts
@@ -150,9 +150,9 @@ def decided(
     margin, rival = min(rivals, key=lambda pair: pair[0], default=(np.inf, None))
     if mirror:
         best = _turned(x, y, best)
-    return Decision(
-        finished(x, y, best.result.p2p, ENDING), best.distortion, margin, rival.distortion if rival else np.inf
-    )
+    result = finished(x, y, best.result.p2p, ENDING)
+    x.rigidity.release()
+    return Decision(result, best.distortion, margin, rival.distortion if rival else np.inf)
 
 
 def _reflections(x: Descriptor, ranked: list[Contender]) -> list[Contender]:
@@ -181,6 +181,7 @@ def _turned(x: Descriptor, y: Descriptor, best: Contender) -> Contender:
 
 
 def _taken_further(x: Descriptor, y: Descriptor, maps: list[IndexArray], passes: tuple[Pass, ...]) -> list[Contender]:
+    factorised(x, y, passes)
     return concurrently(lambda p2p: _contender(x, y, finished(x, y, p2p, passes)), maps)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -134,14 +135,42 @@ def finished(x: Descriptor, y: Descriptor, p2p: IndexArray, passes: tuple[Pass, 
     optimization for shape matching", SGP 2021, for maps in both directions.
     """
     state = _State(x, y, p2p)
+    for step in _steps(x, y, passes):
+        state.advance(step)
+    return Finished(state.forth, state.back, state.positions, *state.embeddings)
+
+
+def factorised(x: Descriptor, y: Descriptor, passes: tuple[Pass, ...]) -> None:
+    """Factorise in this thread what `finished` will solve with these passes.
+
+    SciPy leaks the memory of a factorisation that is made in one thread and dropped in another one.
+    """
+    whole = True
+    for step in _steps(x, y, passes):
+        for _ in range(_MATCHINGS):
+            points = np.arange(x.n_vertices) if whole else x.samples[:_COARSE]
+            x.rigidity.pulled(_mass(x, points) / step.length**2)
+            whole = not step.coarse
+
+
+@dataclass(frozen=True)
+class _Step:
+    """Matchings with one number of eigenfunctions: their number, the length of the pass there, and which points."""
+
+    k: int
+    length: float
+    stage: Pass
+    fresh: bool
+    coarse: bool
+
+
+def _steps(x: Descriptor, y: Descriptor, passes: tuple[Pass, ...]) -> Iterator[_Step]:
     for number, stage in enumerate(passes):
         sizes = [k for k in stage.sizes if k <= min(x.laplacian.shape[1], y.laplacian.shape[1])]
-        for step, k in enumerate(sizes):
-            length = stage.first * (stage.last / stage.first) ** (step / max(len(sizes) - 1, 1))
-            final = number == len(passes) - 1
-            coarse = k < stage.full and not (final and k == sizes[-1])
-            state.advance(k, length, stage, fresh=step == 0, coarse=coarse)
-    return Finished(state.forth, state.back, state.positions, *state.embeddings)
+        for place, k in enumerate(sizes):
+            length = stage.first * (stage.last / stage.first) ** (place / max(len(sizes) - 1, 1))
+            final = number == len(passes) - 1 and k == sizes[-1]
+            yield _Step(k, length, stage, fresh=place == 0, coarse=k < stage.full and not final)
 
 
 class _State:
@@ -154,13 +183,13 @@ class _State:
         self.positions = np.zeros((0, 3))
         self.embeddings: tuple[SingleArray, SingleArray] = (np.zeros((0, 0), np.float32),) * 2
 
-    def advance(self, k: int, length: float, stage: Pass, *, fresh: bool, coarse: bool) -> None:
-        """Deform and match again with k eigenfunctions."""
-        x, y = self.x, self.y
+    def advance(self, step: _Step) -> None:
+        """Deform and match again."""
+        x, y, k, stage = self.x, self.y, step.k, step.stage
         for _ in range(_MATCHINGS):
             functional = self._functional(k)
             targets, mass = self._targets()
-            pull = mass / length**2
+            pull = mass / step.length**2
             solve = x.rigidity.pulled(pull)
             first = not len(self.positions)
             if first:
@@ -170,7 +199,7 @@ class _State:
                     self.positions = low @ (low.T @ (x.areas[:, None] * self.positions))
             wide = _WIDE if stage.untwist else _NARROW
             for _turn in range(max(stage.turns, _FIRST_TURNS if first else 0)):
-                self.positions = x.rigidity.step(solve, pull, self.positions, targets, wide if fresh else 1)
+                self.positions = x.rigidity.step(solve, pull, self.positions, targets, wide if step.fresh else 1)
             # Eigenfunctions weigh as coordinates do: their sum over k is about k / area.
             weight = 1 / (k * np.sqrt(np.pi))
             deformed = x.unit.with_vertices(self.positions)
@@ -180,8 +209,8 @@ class _State:
                 left.append(stage.kernels * x.heat_kernels)
                 right.append(stage.kernels * y.heat_kernels)
             self.embeddings = np.column_stack(left).astype(np.float32), np.column_stack(right).astype(np.float32)
-            self.points_x = x.samples[:_COARSE] if coarse else np.arange(x.n_vertices)
-            self.points_y = y.samples[:_COARSE] if coarse else np.arange(y.n_vertices)
+            self.points_x = x.samples[:_COARSE] if step.coarse else np.arange(x.n_vertices)
+            self.points_y = y.samples[:_COARSE] if step.coarse else np.arange(y.n_vertices)
             forth, back = nearest_both(self.embeddings[0][self.points_x], self.embeddings[1][self.points_y])
             self.forth, self.back = self.points_y[forth], self.points_x[back]
 
@@ -205,9 +234,14 @@ class _State:
         moved = self.y.unit.vertices[j] * weight[:, None]
         sums = np.column_stack([np.bincount(i, moved[:, axis], n) for axis in range(3)])
         targets: FloatArray = sums / np.where(total > 0, total, 1.0)[:, None]
-        mass = np.zeros(n)
-        mass[self.points_x] = _shares(self.x, self.points_x)
-        return targets, mass
+        return targets, _mass(self.x, self.points_x)
+
+
+def _mass(shape: Descriptor, points: IndexArray) -> FloatArray:
+    """Area for which each vertex stands, (n,), 0 where it is none of the points."""
+    mass = np.zeros(shape.n_vertices)
+    mass[points] = _shares(shape, points)
+    return mass
 
 
 def _shares(shape: Descriptor, points: IndexArray) -> FloatArray:

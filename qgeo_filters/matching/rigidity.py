@@ -20,7 +20,7 @@ Solve = Callable[[FloatArray], FloatArray]
 # Obtuse triangles have negative cotangents, which would reward bending; relative to the mean weight.
 _LEAST_WEIGHT = 1e-3
 # Factorisations that are kept, the last used ones: contenders go through the same pulls one after the other.
-_FACTORS = 24
+_FACTORS = 32
 
 
 class Rigidity:
@@ -71,6 +71,10 @@ class Rigidity:
         if len(self._factors) > _FACTORS:
             self._factors.popitem(last=False)
         return solve
+
+    def release(self) -> None:
+        """Forget the factorisations: together they take as much memory as all else of a shape."""
+        self._factors.clear()
 
     def step(
         self, solve: Solve, pull: FloatArray, positions: FloatArray, targets: FloatArray, smooth: int
