@@ -10,7 +10,7 @@ from tqdm.auto import tqdm
 
 from qgeo_filters.matching.barycentric import BarycentricMap, barycentric_map
 from qgeo_filters.matching.candidates import Candidate, candidate, candidates
-from qgeo_filters.matching.contenders import Decision, decided
+from qgeo_filters.matching.decision import Decision, decided
 from qgeo_filters.matching.descriptor import Descriptor, check_same_size
 from qgeo_filters.matching.likeness import likeness
 from qgeo_filters.matching.orientation import orientation

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.matching.candidates import candidates
-from qgeo_filters.matching.contenders import decided
+from qgeo_filters.matching.decision import decided
 from qgeo_filters.matching.descriptor import Descriptor
 from qgeo_filters.matching.finish import Finished
 from qgeo_filters.matching.involution import paired
