@@ -18,8 +18,6 @@ from qgeo_filters.matching.search import DISTINCT
 # those whose images are this near in the mean, in sqrt(area), at most so many.
 _CLOSEST, _CLOSE = 4, 6.0
 _KIN, _MOST_KIN = 0.1, 2
-# And of those so many are reconsidered.
-_RECONSIDERED = 2
 # Maps of a shape to its mirror image that relate parts as different as that, its front to its back, are no reflections.
 _ALIKE = 0.9
 # A map that leaves limbs in place, which another one exchanges, is none, unless that one costs this many times as much
@@ -95,13 +93,10 @@ def _close(y: Descriptor, ranked: list[Contender]) -> list[Contender]:
 
 
 def _settled(x: Descriptor, y: Descriptor, close: list[Contender]) -> list[Contender]:
-    """The contenders where they end, in the same order; the cheapest of them reconsidered."""
+    """The contenders where they end, in the same order: settled, or reconsidered if that costs less."""
     ends = taken_further(x, y, [c.result.p2p for c in close], SETTLING)
-    first = sorted(range(len(close)), key=lambda i: ends[i].cost)[:_RECONSIDERED]
-    again = taken_further(x, y, [ends[i].result.p2p for i in first], RECONSIDERING)
-    for i, c in zip(first, again, strict=True):
-        ends[i] = min(ends[i], c, key=lambda c: c.cost)
-    return ends
+    again = taken_further(x, y, [c.result.p2p for c in ends], RECONSIDERING)
+    return [min(one, other, key=lambda c: c.cost) for one, other in zip(ends, again, strict=True)]
 
 
 def _reflections(x: Descriptor, ranked: list[Contender]) -> list[Contender]:
