@@ -81,10 +81,19 @@ def test_factorisations_are_kept_for_equal_pulls_only_and_not_for_ever(rigidity:
     assert rigidity.pulled(other) is not solve
     right = np.random.default_rng(0).normal(size=(N, 3))
     assert not np.allclose(solve(right), rigidity.pulled(other)(right))
-    for k in range(30):
+    for k in range(40):
         rigidity.pulled(np.full(N, 3.0 + k))
-    assert len(rigidity._factors) <= 24
+    assert len(rigidity._factors) <= 32
     np.testing.assert_allclose(rigidity.pulled(one)(right), solve(right))
+
+
+def test_released_factorisations_are_made_again(rigidity: Rigidity) -> None:
+    pull = np.ones(N)
+    solve = rigidity.pulled(pull)
+    rigidity.release()
+    again = rigidity.pulled(pull)
+    assert again is not solve
+    np.testing.assert_array_equal(again(VERTICES), solve(VERTICES))
 
 
 def test_it_survives_pickling(rigidity: Rigidity) -> None:
