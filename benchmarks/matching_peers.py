@@ -25,7 +25,7 @@ from pyFM.mesh import TriMesh
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import PairResult, Row, ToscaRemeshed, symmetric_errors
-from qgeo_filters.evaluation.measure import PairFailure, PairStore, measured
+from qgeo_filters.evaluation.measure import PairFailure, PairStore, by_target, measured
 
 CATEGORIES = ("cat", "dog", "centaur", "horse", "michael", "victoria", "wolf")
 OURS, FITTED, REFINED = "`qg.match`", "pyFM: WKS, orientation", "pyFM: the same, then ZoomOut"
@@ -104,7 +104,7 @@ def main() -> None:
         for pair in chosen:
             for method, result in theirs(data, *pair, store):
                 add(results, method, result)
-        for outcome in measured(data, chosen, "match", store):
+        for outcome in measured(data, by_target(chosen), "match", store):
             if isinstance(outcome, PairFailure):
                 raise outcome.error
             add(results, OURS, outcome)
