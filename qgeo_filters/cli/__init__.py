@@ -10,6 +10,7 @@ from qgeo_filters.cli.compatibility import compatibility
 from qgeo_filters.cli.demo import demo
 from qgeo_filters.cli.errors import OneLineErrors
 from qgeo_filters.cli.evaluate import evaluate
+from qgeo_filters.cli.fetch import fetch
 from qgeo_filters.cli.geodesics import distances, path
 from qgeo_filters.cli.match import match
 from qgeo_filters.cli.mesh import info
@@ -49,7 +50,7 @@ def qgeo(
         typer.echo(context.get_help())
 
 
-for command in (demo, info, distances, spectrum, symmetry, match, compatibility, evaluate, path, run, warmup):
+for command in (demo, info, distances, spectrum, symmetry, match, compatibility, evaluate, fetch, path, run, warmup):
     app.command()(command)
 
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path, PurePosixPath
+from typing import Any
 
 from qgeo_filters.errors import MeshError, require_package
 from qgeo_filters.evaluation.datasets import Dataset, IndexedDataset, VtsDataset
@@ -110,7 +111,7 @@ def fetch(
     MeshError
         An archive without the expected files.
     OSError
-        The server does not answer, or the folder cannot be written.
+        The server does not answer (ConnectionError), or the folder cannot be written.
     MissingPackageError
         Without pooch.
     """
@@ -123,16 +124,23 @@ def fetch(
         known_hash = {source.urls[0]: known_hash}
     hashes = {**source.hashes, **(known_hash or {})}
     pooch = require_package("pooch", "download", "fetching a data set")
+    requests = require_package("requests", "download", "fetching a data set")  # a dependency of pooch
     base = Path(pooch.os_cache("qgeo-filters") if folder is None else folder)
     archives = base / "archives"
     files = []
     for url in source.urls:
         kept = f"{name}-{hashlib.sha256(url.encode()).hexdigest()[:8]}.zip"
-        file = Path(pooch.retrieve(url, hashes.get(url), kept, archives, progressbar=progress))
+        try:
+            file = Path(pooch.retrieve(url, hashes.get(url), kept, archives, progressbar=progress))
+        except requests.RequestException as error:
+            raise ConnectionError(
+                f"{url} cannot be downloaded, {_reason(error)}: check the network, or save the archive by other means "
+                f"as {(archives / kept).absolute()}"
+            ) from error
         if url not in hashes:
             warnings.warn(
-                f"{url} was not held against a known hash; its SHA-256 is {pooch.file_hash(str(file))}: pass it as "
-                f"known_hash={{{url!r}: ...}} to be sure of it from now on",
+                f"{url} was not held against a known hash; its SHA-256 is {pooch.file_hash(str(file))}: give it as "
+                "known_hash to be sure of it from now on",
                 stacklevel=2,
             )
         files.append(file)
@@ -141,6 +149,11 @@ def fetch(
     if not root.is_dir() or root.stat().st_mtime < newest:
         _unpack(files, root, source.folders)
     return source.reader(root)
+
+
+def _reason(error: Any) -> str:
+    """Why a request failed, in a few words; what requests says names its own insides."""
+    return "no answer" if error.response is None else f"the server answers with status {error.response.status_code}"
 
 
 def _unpack(archives: list[Path], root: Path, folders: Mapping[str, str]) -> None:
