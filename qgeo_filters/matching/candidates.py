@@ -1,4 +1,4 @@
-"""Maps between all vertices that the search proposes."""
+"""Maps of farthest points to vertices that the search proposes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.descriptor import Descriptor
 from qgeo_filters.matching.extremities import extremity_maps
 from qgeo_filters.matching.finish import grown, spread
-from qgeo_filters.matching.orientation import orientation
+from qgeo_filters.matching.orientation import facing
 from qgeo_filters.matching.search import search
 
 SingleArray = npt.NDArray[np.float32]
@@ -24,24 +24,34 @@ _WORTHWHILE = 2.0
 _ROUGH = 0.02
 # Points between which distances are compared.
 _POINTS = 300
+# Farthest points that are mapped: enough for a trial, which begins with smooth functions.
+_MAPPED = 800
+# Triangles, each at a farthest point, that tell the orientation.
+_TRIANGLES = 400
 
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A map between all vertices, right in the large or not.
+    """A coarse map, right in the large or not.
 
     Attributes
     ----------
-    p2p : (n_x,) int
+    p2p : (s,) int
+        Vertex of Y for each of X's `mapped_points`.
     distortion : float
         Mean |d_X(p, q) - d_Y(Tp, Tq)|, in units of sqrt(area), over farthest points.
     orientation : float
-        See `orientation`.
+        See `orientation`; over some of the triangles.
     """
 
     p2p: IndexArray
     distortion: float
     orientation: float
+
+
+def mapped_points(x: Descriptor) -> IndexArray:
+    """The vertices of X that candidates map: its first farthest points."""
+    return x.samples[:_MAPPED]
 
 
 def candidates(x: Descriptor, y: Descriptor, *, identity: bool = True) -> list[Candidate]:
@@ -51,26 +61,40 @@ def candidates(x: Descriptor, y: Descriptor, *, identity: bool = True) -> list[C
     bound = _WORTHWHILE * max(hypotheses[0].distortion, _ROUGH) + 0.01 if identity and hypotheses else np.inf
     worth = [h for h in hypotheses if h.distortion <= bound]
     guesses = extremity_maps(x, y, identity=identity)
-    found = concurrently(lambda hypothesis: candidate(x, y, grown(x, y, hypothesis)), worth)
-    found += concurrently(lambda guess: candidate(x, y, spread(x, y, guess)), guesses)
+    points, triangles = mapped_points(x), _largest_triangles(x)
+    vertices = np.concatenate([points, triangles.ravel()])
+
+    def measured(images: IndexArray) -> Candidate:
+        p2p, corners = images[: len(points)], images[len(points) :].reshape(-1, 3)
+        return Candidate(p2p, distortion(x, y, p2p), float(facing(y.unit, corners).mean()))
+
+    found = concurrently(lambda hypothesis: measured(grown(x, y, hypothesis, vertices)), worth)
+    found += concurrently(lambda guess: measured(spread(x, y, guess, vertices)), guesses)
     return sorted(found, key=lambda c: c.distortion)
 
 
-def candidate(x: Descriptor, y: Descriptor, p2p: IndexArray) -> Candidate:
-    """The map with its measures."""
-    return Candidate(p2p, distortion(x, y, p2p), orientation(x.unit, y.unit, p2p))
+def _largest_triangles(x: Descriptor) -> IndexArray:
+    """The largest triangle at each of the first farthest points, (t, 3)."""
+    order = np.argsort(x.unit.face_areas, kind="stable")
+    largest = np.empty(x.n_vertices, dtype=np.int64)
+    largest[x.unit.faces[order]] = order[:, None]  # the last one stays
+    return x.unit.faces[largest[x.samples[:_TRIANGLES]]].astype(np.int64)
 
 
-def distortion(x: Descriptor, y: Descriptor, p2p: IndexArray) -> float:
+def distortion(x: Descriptor, y: Descriptor, images: IndexArray) -> float:
     """Mean |d_X(p, q) - d_Y(Tp, Tq)| over pairs of farthest points, in units of sqrt(area).
 
     One image of each pair is taken to the nearest farthest point of Y, from which distances are at hand.
+
+    Parameters
+    ----------
+    images : (s,) int
+        Of X's first farthest points: of how many, does not matter if they are at least 300.
     """
     s = min(_POINTS, len(x.rows))
-    points = x.samples[:s]
-    near = np.argmin(y.rows[:, p2p[points]], axis=0)
-    images = y.rows[near][:, p2p[points]]
-    return float(np.abs(x.rows[:s, points] - images).mean())
+    images = images[:s]
+    near = np.argmin(y.rows[:, images], axis=0)
+    return float(np.abs(x.rows[:s, x.samples[:s]] - y.rows[near][:, images]).mean())
 
 
 def between(y: Descriptor, one: IndexArray, other: IndexArray) -> SingleArray:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters.matching.candidates import Candidate, between, distortion
+from qgeo_filters.matching.candidates import Candidate, between, distortion, mapped_points
 from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.descriptor import Descriptor
 from qgeo_filters.matching.finish import TRIAL, Finished, Pass, factorised, finished
@@ -74,13 +74,15 @@ def contenders(x: Descriptor, y: Descriptor, pool: list[Candidate]) -> list[Cont
         near = len(tried) < _CONTENDERS and c.distortion <= _CONTENDING * best + 0.01
         if near and all(differ(between(y, c.p2p, t.p2p)) for t in tried):
             tried.append(c)
-    return sorted(taken_further(x, y, [c.p2p for c in tried], TRIAL), key=lambda c: c.cost)
+    return sorted(taken_further(x, y, [c.p2p for c in tried], TRIAL, mapped_points(x)), key=lambda c: c.cost)
 
 
-def taken_further(x: Descriptor, y: Descriptor, maps: list[IndexArray], passes: tuple[Pass, ...]) -> list[Contender]:
-    """The maps after more passes of the finish, in the same order, side by side."""
-    factorised(x, y, passes)
-    return concurrently(lambda p2p: _contender(x, y, finished(x, y, p2p, passes)), maps)
+def taken_further(
+    x: Descriptor, y: Descriptor, maps: list[IndexArray], passes: tuple[Pass, ...], points: IndexArray | None = None
+) -> list[Contender]:
+    """The maps of ``points`` (of all vertices by default) after more passes of the finish, in order, side by side."""
+    factorised(x, y, passes, points)
+    return concurrently(lambda p2p: _contender(x, y, finished(x, y, p2p, passes, points)), maps)
 
 
 def _contender(x: Descriptor, y: Descriptor, result: Finished) -> Contender:
@@ -91,6 +93,5 @@ def _contender(x: Descriptor, y: Descriptor, result: Finished) -> Contender:
     deformed = x.unit.with_vertices(result.positions)
     against = np.einsum("ij,ij->i", deformed.face_normals, y.normals[p2p[x.unit.faces]].sum(axis=1)) < 0
     folded = float(x.unit.face_areas @ against) / x.unit.area
-    return Contender(
-        result, distortion(x, y, p2p), x.rigidity.strain(result.positions), torn, folded, likeness(x, y, p2p)
-    )
+    mean = distortion(x, y, p2p[x.samples])
+    return Contender(result, mean, x.rigidity.strain(result.positions), torn, folded, likeness(x, y, p2p))

@@ -9,14 +9,14 @@ import numpy.typing as npt
 from tqdm.auto import tqdm
 
 from qgeo_filters.matching.barycentric import BarycentricMap, barycentric_map
-from qgeo_filters.matching.candidates import Candidate, candidate, candidates
+from qgeo_filters.matching.candidates import Candidate, candidates, distortion
 from qgeo_filters.matching.decision import Decision, decided
 from qgeo_filters.matching.descriptor import Descriptor, check_same_size
 from qgeo_filters.matching.likeness import likeness
 from qgeo_filters.matching.orientation import orientation
 from qgeo_filters.matching.refine import functional_map
 from qgeo_filters.matching.regions import eigenfunction_regions
-from qgeo_filters.matching.symmetry import self_symmetry
+from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
@@ -158,13 +158,22 @@ def _competing(x: Descriptor, y: Descriptor) -> tuple[list[Candidate], bool]:
         mirror = self_symmetry(y)
         other = mirror if mirror.found else self_symmetry(x)
         if other.found:
-            twins = [candidate(x, y, other.nearest[c.p2p] if mirror.found else c.p2p[other.nearest]) for c in reversing]
-            kept += [twin for twin in twins if twin.orientation > 0]
+            kept += [_twin(x, y, c, other, onto=mirror.found) for c in reversing]
     mirrored = not kept or (
         # Not one of the maps in the right hand is nearly as good: Y is the mirror image of something asymmetric.
         bool(reversing) and min(c.distortion for c in reversing) < 0.5 * min(c.distortion for c in kept)
     )
     return (reversing if mirrored else kept), mirrored
+
+
+def _twin(x: Descriptor, y: Descriptor, c: Candidate, symmetry: Symmetry, onto: bool) -> Candidate:
+    """The mirrored twin of a candidate, by the symmetry of Y, or of X if not ``onto``."""
+    if onto:
+        p2p = symmetry.nearest[c.p2p]
+    else:
+        rows = x.rows[: len(c.p2p)]
+        p2p = c.p2p[rows[:, symmetry.nearest[x.samples[: len(rows)]]].argmin(axis=0)]
+    return Candidate(p2p, distortion(x, y, p2p), -c.orientation)
 
 
 def _described(x: Descriptor, y: Descriptor, decision: Decision, mirrored: bool) -> Correspondence:

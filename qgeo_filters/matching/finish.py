@@ -99,8 +99,8 @@ class Finished:
     embedding_y: SingleArray
 
 
-def grown(x: Descriptor, y: Descriptor, hypothesis: Hypothesis) -> IndexArray:
-    """Map (n_x,) between all vertices by spectral upsampling over the eigenfunctions of the distances."""
+def grown(x: Descriptor, y: Descriptor, hypothesis: Hypothesis, vertices: IndexArray) -> IndexArray:
+    """Images (s,) of some vertices of X, by spectral upsampling over the eigenfunctions of the distances."""
     phi_x, phi_y = (shape.views[hypothesis.metric].eigenfunctions for shape in (x, y))
     width = min(phi_x.shape[1], phi_y.shape[1])
     start = min(20, width)
@@ -109,18 +109,24 @@ def grown(x: Descriptor, y: Descriptor, hypothesis: Hypothesis) -> IndexArray:
     images = nearest(phi_x[points, :start] @ coarse, others[:, :start])
     functional = upsampled(phi_x, others, images, points, range(start, width + 1, _GROWTH_STEP))
     k = len(functional)
-    return nearest(phi_x[:, :k] @ functional, phi_y[:, :k])
+    return nearest(phi_x[vertices, :k] @ functional, phi_y[:, :k])
 
 
-def spread(x: Descriptor, y: Descriptor, hypothesis: Hypothesis) -> IndexArray:
-    """Map (n_x,) between all vertices by the first eigenfunctions of the Laplacian."""
+def spread(x: Descriptor, y: Descriptor, hypothesis: Hypothesis, vertices: IndexArray) -> IndexArray:
+    """Images (s,) of some vertices of X, by the first eigenfunctions of the Laplacian."""
     points = hypothesis.points
     left, right = x.laplacian[:, :_SPREAD], y.laplacian[:, :_SPREAD]
-    return nearest(left @ functional_map(left[points], right, hypothesis.p2p), right)
+    return nearest(left[vertices] @ functional_map(left[points], right, hypothesis.p2p), right)
 
 
-def finished(x: Descriptor, y: Descriptor, p2p: IndexArray, passes: tuple[Pass, ...] = SETTLING + ENDING) -> Finished:
-    r"""Map between all vertices from one that is right in the large.
+def finished(
+    x: Descriptor,
+    y: Descriptor,
+    p2p: IndexArray,
+    passes: tuple[Pass, ...] = SETTLING + ENDING,
+    points: IndexArray | None = None,
+) -> Finished:
+    r"""Map between all vertices from one of ``points`` (of all by default) that is right in the large.
 
     From low to high frequencies, each vertex of X is matched with the vertex of Y that is nearest in three things
     together: the Laplacian's eigenfunctions (through the functional map of the current matches), the position, and
@@ -134,23 +140,22 @@ def finished(x: Descriptor, y: Descriptor, p2p: IndexArray, passes: tuple[Pass, 
     for intrinsic and extrinsic features from coarse to fine; Ren, Melzi, Wonka, Ovsjanikov, "Discrete
     optimization for shape matching", SGP 2021, for maps in both directions.
     """
-    state = _State(x, y, p2p)
+    state = _State(x, y, p2p, points)
     for step in _steps(x, y, passes):
         state.advance(step)
     return Finished(state.forth, state.back, state.positions, *state.embeddings)
 
 
-def factorised(x: Descriptor, y: Descriptor, passes: tuple[Pass, ...]) -> None:
+def factorised(x: Descriptor, y: Descriptor, passes: tuple[Pass, ...], points: IndexArray | None = None) -> None:
     """Factorise in this thread what `finished` will solve with these passes.
 
     SciPy leaks the memory of a factorisation that is made in one thread and dropped in another one.
     """
-    whole = True
+    matched = np.arange(x.n_vertices) if points is None else points
     for step in _steps(x, y, passes):
         for _ in range(_MATCHINGS):
-            points = np.arange(x.n_vertices) if whole else x.samples[:_COARSE]
-            x.rigidity.pulled(_mass(x, points) / step.length**2)
-            whole = not step.coarse
+            x.rigidity.pulled(_mass(x, matched) / step.length**2)
+            matched = _matched(x, step)
 
 
 @dataclass(frozen=True)
@@ -173,12 +178,17 @@ def _steps(x: Descriptor, y: Descriptor, passes: tuple[Pass, ...]) -> Iterator[_
             yield _Step(k, length, stage, fresh=place == 0, coarse=k < stage.full and not final)
 
 
+def _matched(shape: Descriptor, step: _Step) -> IndexArray:
+    """The vertices that the step matches."""
+    return shape.samples[:_COARSE] if step.coarse else np.arange(shape.n_vertices)
+
+
 class _State:
     """Matches in both directions, and the deformed shape; changed by each step."""
 
-    def __init__(self, x: Descriptor, y: Descriptor, p2p: IndexArray) -> None:
+    def __init__(self, x: Descriptor, y: Descriptor, p2p: IndexArray, points: IndexArray | None) -> None:
         self.x, self.y = x, y
-        self.points_x, self.forth = np.arange(x.n_vertices), p2p
+        self.points_x, self.forth = np.arange(x.n_vertices) if points is None else points, p2p
         self.points_y, self.back = np.zeros(0, np.int64), np.zeros(0, np.int64)
         self.positions = np.zeros((0, 3))
         self.embeddings: tuple[SingleArray, SingleArray] = (np.zeros((0, 0), np.float32),) * 2
@@ -193,10 +203,7 @@ class _State:
             solve = x.rigidity.pulled(pull)
             first = not len(self.positions)
             if first:
-                self.positions = targets if mass.all() else y.unit.vertices[self.forth]
-                if stage.untwist:
-                    low = x.laplacian[:, :k].astype(np.float64)
-                    self.positions = low @ (low.T @ (x.areas[:, None] * self.positions))
+                self.positions = self._smoothed(k, targets, mass) if stage.untwist or not mass.all() else targets
             wide = _WIDE if stage.untwist else _NARROW
             for _turn in range(max(stage.turns, _FIRST_TURNS if first else 0)):
                 self.positions = x.rigidity.step(solve, pull, self.positions, targets, wide if step.fresh else 1)
@@ -209,8 +216,7 @@ class _State:
                 left.append(stage.kernels * x.heat_kernels)
                 right.append(stage.kernels * y.heat_kernels)
             self.embeddings = np.column_stack(left).astype(np.float32), np.column_stack(right).astype(np.float32)
-            self.points_x = x.samples[:_COARSE] if step.coarse else np.arange(x.n_vertices)
-            self.points_y = y.samples[:_COARSE] if step.coarse else np.arange(y.n_vertices)
+            self.points_x, self.points_y = _matched(x, step), _matched(y, step)
             forth, back = nearest_both(self.embeddings[0][self.points_x], self.embeddings[1][self.points_y])
             self.forth, self.back = self.points_y[forth], self.points_x[back]
 
@@ -225,6 +231,12 @@ class _State:
         left, right = self.x.laplacian[i, :k], self.y.laplacian[j, :k]
         weighted = left * weight[:, None].astype(np.float32)
         return np.linalg.solve(weighted.T @ left, weighted.T @ right)
+
+    def _smoothed(self, k: int, targets: FloatArray, mass: FloatArray) -> FloatArray:
+        """Positions (n_x, 3) that the first eigenfunctions make of those of the matched points."""
+        low = self.x.laplacian[:, :k].astype(np.float64)
+        weighted = low * mass[:, None]
+        return low @ np.linalg.solve(weighted.T @ low, weighted.T @ targets)
 
     def _targets(self) -> tuple[FloatArray, FloatArray]:
         """Mean position on Y of the matches of each vertex of X, and the area by which it is drawn there."""
@@ -247,5 +259,5 @@ def _mass(shape: Descriptor, points: IndexArray) -> FloatArray:
 def _shares(shape: Descriptor, points: IndexArray) -> FloatArray:
     """Part of the area for which each point stands: its own where all vertices take part, equal parts otherwise."""
     if len(points) == shape.n_vertices:
-        return shape.areas
+        return shape.areas[points]
     return np.full(len(points), 1.0 / max(len(points), 1))

@@ -13,6 +13,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from qgeo_filters.matching.deforming import covariances, strain, turned
+from qgeo_filters.matching.rotations import nearest_rotations
 
 FloatArray = npt.NDArray[np.float64]
 Solve = Callable[[FloatArray], FloatArray]
@@ -92,7 +93,4 @@ class Rigidity:
         flat = sums.reshape(-1, 9)
         for _ in range(smooth):
             flat = np.asarray(self._mean @ flat)
-        # libigl takes the first rows of all matrices, then the second ones, and returns all transposes side by side.
-        rows = flat.reshape(-1, 3, 3).transpose(1, 0, 2).reshape(-1, 3)
-        rotations: FloatArray = igl.fit_rotations(rows, True).reshape(3, -1, 3).transpose(1, 2, 0)
-        return np.ascontiguousarray(rotations)
+        return nearest_rotations(flat.reshape(-1, 3, 3))
