@@ -18,6 +18,8 @@ Color = tuple[float, float, float]
 
 BACKGROUND = "#f7f7f8"
 _CLAY = np.array([0.82, 0.83, 0.86], dtype=np.float32)
+# A click may move the camera by this part of its distance: about two pixels of the mouse, as hands do.
+_STILL = 0.03
 
 
 class Pane:
@@ -44,6 +46,8 @@ class Pane:
         self.lines: dict[str, tuple[FloatArray, Color]] = {}
         self._points = frame.to_scene(surface.vertices)
         self._radius = mark_radius
+        self._camera = camera
+        self._pressed_from = camera.position
         self._balls: dict[str, Any] = {}
         self._strokes: dict[str, Any] = {}
         self._retired: list[Any] = []
@@ -69,12 +73,14 @@ class Pane:
         )
         mesh = three.Mesh(geometry, material)
         self._scene = three.Scene(children=[*_lamps(), mesh], background=None)
+        self.press = three.Picker(controlling=mesh, event="mousedown")
+        self.press.observe(self._pressed, names="point")
         self.picker = three.Picker(controlling=mesh, event="click")
         self.picker.observe(self._picked, names="point")
         self.renderer = three.Renderer(
             scene=self._scene,
             camera=camera,
-            controls=[orbit, self.picker],
+            controls=[orbit, self.press, self.picker],
             width=size[0],
             height=size[1],
             antialias=True,
@@ -137,11 +143,22 @@ class Pane:
     # -- picking ------------------------------------------------------------------------------------
 
     def on_pick(self, callback: Callable[[int], None]) -> None:
-        """Call back with the vertex nearest to each point that is clicked."""
+        """Call back with the vertex nearest to each point that is clicked; the end of a drag is no click."""
         self._on_pick.append(callback)
 
+    def _pressed(self, change: Any) -> None:
+        self._pressed_from = self._camera.position
+
+    def _dragged(self) -> bool:
+        """Whether the mouse turned the surface between button down and up; the browser sends a click all the same."""
+        # The points alone do not tell: at some depth the surface follows the mouse. The camera alone does not either:
+        # while the kernel is busy its position may arrive after the click.
+        slip = np.linalg.norm(np.subtract(self.picker.point, self.press.point))
+        turn = np.linalg.norm(np.subtract(self._camera.position, self._pressed_from))
+        return bool(slip > self._radius or turn > _STILL * np.linalg.norm(self._pressed_from))
+
     def _picked(self, change: Any) -> None:
-        if self.picker.faceIndex is None:
+        if self.picker.faceIndex is None or self._dragged():
             return
         corners = np.asarray(self.picker.face, dtype=np.int64)
         if not ((corners >= 0) & (corners < len(self._points))).all():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -20,8 +19,6 @@ from qgeo_widgets.still import STYLE, StillPicture
 FloatArray = npt.NDArray[np.float64]
 
 FIELD_OF_VIEW = 26.0
-# A click that ends a drag arrives right after the camera's last position.
-_DRAG_SECONDS = 0.35
 
 
 class Viewer:
@@ -60,7 +57,6 @@ class Viewer:
             for surface, frame in zip(surfaces, frames, strict=True)
         ]
         self._on_camera: list[Callable[[tuple[float, float, float]], None]] = []
-        self._moved_at = -np.inf
         self._camera.observe(self._moved, names="position")
         self.fallbacks = [StillPicture() for _ in self.panes]
         self.widget = ipywidgets.HBox(
@@ -99,7 +95,7 @@ class Viewer:
     def on_pick(self, callback: Callable[[int, int], None]) -> None:
         """Call back with the number of the pane and the vertex nearest to each point that is clicked."""
         for number, pane in enumerate(self.panes):
-            pane.on_pick(lambda vertex, number=number: self._picked(callback, number, vertex))
+            pane.on_pick(lambda vertex, number=number: callback(number, vertex))
 
     def view_axes(self) -> FloatArray:
         """Rows that point right, up and towards the viewer in the scene, for pictures of what is seen, shape (3, 3)."""
@@ -126,13 +122,8 @@ class Viewer:
         # Orbit controls report once at first, without having been touched.
         if np.allclose(change["new"], change["old"], rtol=1e-6, atol=1e-6):
             return
-        self._moved_at = time.monotonic()
         for callback in self._on_camera:
             callback(self.camera)
-
-    def _picked(self, callback: Callable[[int, int], None], pane: int, vertex: int) -> None:
-        if time.monotonic() - self._moved_at > _DRAG_SECONDS:
-            callback(pane, vertex)
 
 
 def _extents(surface: Surface, frame: Frame) -> tuple[float, float, float]:

@@ -22,12 +22,18 @@ def viewer(pair):
     viewer.close()
 
 
-def click(pane, vertex: int) -> None:
-    """What the browser sends for a click on the surface beside a vertex."""
+def hit(pane, vertex: int, share: float = 0.2) -> dict:
+    """What the browser sends for a point of the surface beside a vertex."""
     face = pane.surface.faces[(pane.surface.faces == vertex).any(axis=1)][0]
     points = pane.frame.to_scene(pane.surface.vertices)
-    place = 0.8 * points[vertex] + 0.2 * points[face].mean(axis=0)
-    pane.picker.set_state({"faceIndex": 0, "face": face.astype(float).tolist(), "point": place.tolist()})
+    place = (1 - share) * points[vertex] + share * points[face].mean(axis=0)
+    return {"faceIndex": 0, "face": face.astype(float).tolist(), "point": place.tolist()}
+
+
+def click(pane, vertex: int) -> None:
+    """What the browser sends for a click on the surface beside a vertex."""
+    pane.press.set_state(hit(pane, vertex))
+    pane.picker.set_state(hit(pane, vertex))
 
 
 def test_frames_make_shapes_of_one_size(pair):
@@ -76,18 +82,35 @@ def test_a_click_beside_the_surface_is_none(viewer):
     assert seen == []
 
 
-def test_a_click_that_ends_a_drag_is_none(viewer, monkeypatch):
-    now = [100.0]
-    monkeypatch.setattr("qgeo_widgets.viewer.time.monotonic", lambda: now[0])
+def test_a_click_that_ends_a_drag_is_none(viewer):
+    pane = viewer.panes[0]
+    home = np.array(viewer.camera)
     seen = []
     viewer.on_pick(lambda pane, vertex: seen.append(vertex))
-    viewer._camera.set_state({"position": [1.0, 2.0, 3.0]})
-    now[0] += 0.05
-    click(viewer.panes[0], 3)
+    # Another point is under the mouse; the camera's position is still on its way.
+    pane.press.set_state(hit(pane, 3))
+    pane.picker.set_state(hit(pane, 40))
+    # The surface followed the mouse: the same point from elsewhere.
+    pane.press.set_state(hit(pane, 4))
+    viewer._camera.set_state({"position": (home + np.array([0.2 * home[2], 0, 0])).tolist()})
+    pane.picker.set_state(hit(pane, 4))
+    # From the background onto the surface.
+    pane.press.set_state({"faceIndex": None, "face": [0, 0, 0], "point": [0, 0, 0]})
+    pane.picker.set_state(hit(pane, 5))
     assert seen == []
-    now[0] += 5.0
-    click(viewer.panes[0], 4)
-    assert seen == [4]
+    click(pane, 6)
+    assert seen == [6]
+
+
+def test_a_hand_that_is_not_quite_still_clicks(viewer):
+    pane = viewer.panes[0]
+    home = np.array(viewer.camera)
+    seen = []
+    viewer.on_pick(lambda pane, vertex: seen.append(vertex))
+    pane.press.set_state(hit(pane, 3))
+    viewer._camera.set_state({"position": (home + np.array([0.02 * home[2], 0, 0])).tolist()})
+    pane.picker.set_state(hit(pane, 3, share=0.25))
+    assert seen == [3]
 
 
 def test_both_panes_share_camera_and_controls(viewer):
