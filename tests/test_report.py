@@ -659,6 +659,7 @@ def test_numbers_are_legible() -> None:
     assert formatted(list(range(20))).endswith("… (20)")
     assert formatted({"a": 1.0}) == "a = 1"
     assert formatted([]) == "–"
+    assert formatted([[1, 2], [4, 5]]) == "1, 2; 4, 5"
 
 
 def test_report_is_written_whole_or_not_at_all(tmp_path) -> None:  # type: ignore[no-untyped-def]

@@ -83,7 +83,8 @@ def spectrum_results(found: Any) -> dict[str, Any]:
     return {
         "eigenvalues": found.eigenvalues.tolist(),
         "positive_eigenvalues": int((found.eigenvalues > 0).sum()),
-        "multiplets": [list(group) for group in found.multiplets if len(group) > 1],
+        # Numbered from 1, as in the table and the pictures.
+        "multiplets": [[index + 1 for index in group] for group in found.multiplets if len(group) > 1],
     }
 
 

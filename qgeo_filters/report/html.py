@@ -116,7 +116,8 @@ def formatted(value: Any) -> str:
     if isinstance(value, Mapping):
         return ", ".join(f"{name} = {formatted(item)}" for name, item in value.items()) or "–"
     if isinstance(value, (list, tuple)):
-        shown = ", ".join(formatted(item) for item in value[:12])
+        separator = "; " if any(isinstance(item, (list, tuple)) for item in value) else ", "
+        shown = separator.join(formatted(item) for item in value[:12])
         return (f"{shown}, … ({len(value)})" if len(value) > 12 else shown) or "–"
     return str(value)
 

@@ -17,7 +17,7 @@ header { border-bottom: 3px solid var(--accent); margin-bottom: 1.5rem; padding-
 h1 { font-size: 1.6rem; line-height: 1.25; margin: 0; overflow-wrap: anywhere; }
 header p { margin: .35rem 0 0; color: var(--faint); overflow-wrap: anywhere; }
 h2 { font-size: 1.05rem; margin: 0 0 .6rem; }
-.pictures { display: grid; gap: 1.25rem; align-items: start;
+.pictures { display: grid; gap: 1.25rem; align-items: start; grid-auto-flow: dense;
   grid-template-columns: repeat(auto-fit, minmax(min(24rem, 100%), 1fr)); }
 figure, .table { margin: 0; background: var(--card); border: 1px solid var(--line); border-radius: .6rem;
   overflow: hidden; }
@@ -32,6 +32,7 @@ figcaption { padding: .7rem 1rem .8rem; border-top: 1px solid var(--line); font-
 .table { break-inside: avoid; margin-bottom: 1.25rem; }
 .table { padding: 1rem; }
 .table.wide { column-span: all; }
+.table.wide:not(:first-child) { margin-top: 1.25rem; }
 .table p { margin: .6rem 0 0; font-size: .9rem; color: var(--faint); }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; width: 100%; font-size: .92rem; }

@@ -149,6 +149,14 @@ def test_spectrum(qgeo: Qgeo, loaded: Loaded) -> None:
     assert {"eigenfunctions.png", "spectrum.png"} <= set(content["files"])
 
 
+def test_multiplets_are_numbered_as_in_the_table(qgeo: Qgeo, loaded: Loaded) -> None:
+    assert qgeo("spectrum", "sphere.ply", "-k", 7, "-w", 0, "--no-pictures").exit_code == 0
+    content, arrays = loaded(Path("qgeo-out"))
+    # Odd spherical harmonics only: constant, the three of degree 1, then degree 3.
+    assert content["results"]["multiplets"][0] == [2, 3, 4]
+    np.testing.assert_allclose(arrays["eigenvalues"][1:4], arrays["eigenvalues"][1], rtol=0.01)
+
+
 def test_path(qgeo: Qgeo, loaded: Loaded) -> None:
     assert qgeo("path", "blob.off", 3, 100, "-w", 0.05).exit_code == 0
     content, arrays = loaded(Path("qgeo-out"))
