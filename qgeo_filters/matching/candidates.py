@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -68,9 +69,9 @@ def candidates(x: Descriptor, y: Descriptor, *, identity: bool = True) -> list[C
         p2p, corners = images[: len(points)], images[len(points) :].reshape(-1, 3)
         return Candidate(p2p, distortion(x, y, p2p), float(facing(y.unit, corners).mean()))
 
-    found = concurrently(lambda hypothesis: measured(grown(x, y, hypothesis, vertices)), worth)
-    found += concurrently(lambda guess: measured(spread(x, y, guess, vertices)), guesses)
-    return sorted(found, key=lambda c: c.distortion)
+    tasks = [partial(grown, x, y, hypothesis, vertices) for hypothesis in worth]
+    tasks += [partial(spread, x, y, guess, vertices) for guess in guesses]
+    return sorted(concurrently(lambda task: measured(task()), tasks), key=lambda c: c.distortion)
 
 
 def _largest_triangles(x: Descriptor) -> IndexArray:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from qgeo_filters.matching.candidates import Candidate, between, distortion, mapped_points
 from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.descriptor import Descriptor
-from qgeo_filters.matching.finish import TRIAL, Finished, Pass, factorised, finished
+from qgeo_filters.matching.finish import RECONSIDERING, SETTLING, TRIAL, Finished, Pass, factorised, finished
 from qgeo_filters.matching.likeness import likeness
 from qgeo_filters.matching.search import differ
 
@@ -83,6 +83,19 @@ def taken_further(
     """The maps of ``points`` (of all vertices by default) after more passes of the finish, in order, side by side."""
     factorised(x, y, passes, points)
     return concurrently(lambda p2p: _contender(x, y, finished(x, y, p2p, passes, points)), maps)
+
+
+def settled(x: Descriptor, y: Descriptor, maps: list[IndexArray]) -> list[Contender]:
+    """The maps (n_x,) where they end, in order, side by side: settled, or reconsidered if that costs less."""
+    factorised(x, y, SETTLING)
+    factorised(x, y, RECONSIDERING)
+
+    def ending(p2p: IndexArray) -> Contender:
+        end = _contender(x, y, finished(x, y, p2p, SETTLING))
+        again = _contender(x, y, finished(x, y, end.result.p2p, RECONSIDERING))
+        return min(end, again, key=lambda c: c.cost)
+
+    return concurrently(ending, maps)
 
 
 def _contender(x: Descriptor, y: Descriptor, result: Finished) -> Contender:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from qgeo_filters.matching.candidates import Candidate, between
-from qgeo_filters.matching.contenders import Contender, contenders, taken_further
+from qgeo_filters.matching.contenders import Contender, contenders, settled, taken_further
 from qgeo_filters.matching.descriptor import Descriptor
-from qgeo_filters.matching.finish import ENDING, RECONSIDERING, SETTLING, TRIAL, Finished, finished
+from qgeo_filters.matching.finish import ENDING, SETTLING, TRIAL, Finished, finished
 from qgeo_filters.matching.limbs import leaves_limbs
 from qgeo_filters.matching.parts import turned_parts
 from qgeo_filters.matching.search import DISTINCT
@@ -75,7 +75,7 @@ def _decided(x: Descriptor, y: Descriptor, pool: list[Candidate], apart: float, 
     if mirror:
         ranked = _reflections(x, ranked)
     close = _close(y, ranked)
-    ends = _settled(x, y, close)
+    ends = settled(x, y, [c.result.p2p for c in close])
     costs = [float(np.sqrt(c.cost * end.cost)) for c, end in zip(close, ends, strict=True)]
     order = sorted(range(len(close)), key=lambda i: costs[i])
     best, trial = ends[order[0]], close[order[0]]
@@ -102,13 +102,6 @@ def _close(y: Descriptor, ranked: list[Contender]) -> list[Contender]:
         if near and len(kin) < _MOST_KIN:
             close.append(c)
     return close
-
-
-def _settled(x: Descriptor, y: Descriptor, close: list[Contender]) -> list[Contender]:
-    """The contenders where they end, in the same order: settled, or reconsidered if that costs less."""
-    ends = taken_further(x, y, [c.result.p2p for c in close], SETTLING)
-    again = taken_further(x, y, [c.result.p2p for c in ends], RECONSIDERING)
-    return [min(one, other, key=lambda c: c.cost) for one, other in zip(ends, again, strict=True)]
 
 
 def _reflections(x: Descriptor, ranked: list[Contender]) -> list[Contender]:

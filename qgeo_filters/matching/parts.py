@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
+from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.descriptor import Descriptor
 from qgeo_filters.matching.extremities import extremities
 from qgeo_filters.matching.finish import Finished
@@ -37,37 +40,43 @@ def turned_parts(x: Descriptor, y: Descriptor, result: Finished) -> list[IndexAr
     """
     tree = cKDTree(np.column_stack([y.unit.vertices, _NORMALS * y.normals]))
     normals = x.unit.with_vertices(result.positions).vertex_normals
-    found: list[tuple[float, int, IndexArray]] = []
-    for end in extremities(x):
-        distance = x.rows[end]
-        part = np.flatnonzero(distance < _RADIUS)
-        if len(part) < _FEWEST:
-            continue
-        placed, placed_normals = _rigid(x, part, result.positions)
-        some = slice(None, None, max(1, len(part) // _ALIGNED))
-        aligned, misfits = _aligned(placed[some], placed_normals[some], tree)
-        best = int(misfits.argmin())
-        turn, start, end_point = _motion(placed[some], aligned[best])
-        moved = float(np.linalg.norm((placed - start) @ turn + end_point - result.positions[part], axis=1).mean())
-        if misfits[best] >= _BETTER * misfits[_UNTURNED] or moved <= _MOVED:
-            continue
-        # The motion fades out around the part.
-        around = np.flatnonzero(distance < _REACH * _RADIUS)
-        share = np.clip((_REACH - distance[around] / _RADIUS) / (_REACH - 1), 0, 1)[:, None]
-        bend = Rotation.from_rotvec(share * Rotation.from_matrix(turn.T).as_rotvec())
-        positions, directions = result.positions.copy(), normals.copy()
-        positions[part], directions[part] = placed, placed_normals
-        there = bend.apply(positions[around] - start) + start + share * (end_point - start)
-        images = tree.query(np.column_stack([there, _NORMALS * bend.apply(directions[around])]))[1]
-        p2p = result.p2p.copy()
-        p2p[around] = images
-        found.append((float(misfits[best] / misfits[_UNTURNED]), int(end), p2p))
+    tried = concurrently(partial(_turned_part, x, result, normals, tree), extremities(x).tolist())
+    found = [entry for entry in tried if entry]
     found.sort(key=lambda entry: entry[0])
     kept: list[int] = []
     for i, (_, end, _) in enumerate(found):
         if all(x.rows[end, x.samples[found[j][1]]] > 2 * _RADIUS for j in kept):
             kept.append(i)
     return [found[i][2] for i in kept]
+
+
+def _turned_part(
+    x: Descriptor, result: Finished, normals: FloatArray, tree: cKDTree, end: int
+) -> tuple[float, int, IndexArray] | None:
+    """What is left of the misfit, the extremity, and the map with the part around it turned; None if it fits as is."""
+    distance = x.rows[end]
+    part = np.flatnonzero(distance < _RADIUS)
+    if len(part) < _FEWEST:
+        return None
+    placed, placed_normals = _rigid(x, part, result.positions)
+    some = slice(None, None, max(1, len(part) // _ALIGNED))
+    aligned, misfits = _aligned(placed[some], placed_normals[some], tree)
+    best = int(misfits.argmin())
+    turn, start, end_point = _motion(placed[some], aligned[best])
+    moved = float(np.linalg.norm((placed - start) @ turn + end_point - result.positions[part], axis=1).mean())
+    if misfits[best] >= _BETTER * misfits[_UNTURNED] or moved <= _MOVED:
+        return None
+    # The motion fades out around the part.
+    around = np.flatnonzero(distance < _REACH * _RADIUS)
+    share = np.clip((_REACH - distance[around] / _RADIUS) / (_REACH - 1), 0, 1)[:, None]
+    bend = Rotation.from_rotvec(share * Rotation.from_matrix(turn.T).as_rotvec())
+    positions, directions = result.positions.copy(), normals.copy()
+    positions[part], directions[part] = placed, placed_normals
+    there = bend.apply(positions[around] - start) + start + share * (end_point - start)
+    images = tree.query(np.column_stack([there, _NORMALS * bend.apply(directions[around])]))[1]
+    p2p = result.p2p.copy()
+    p2p[around] = images
+    return float(misfits[best] / misfits[_UNTURNED]), end, p2p
 
 
 def _motion(points: FloatArray, others: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

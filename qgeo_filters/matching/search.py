@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.descriptor import Descriptor, MetricView
 from qgeo_filters.matching.distorting import point_distortions
 from qgeo_filters.matching.refine import nearest, orthogonal
@@ -73,8 +74,9 @@ def search(x: Descriptor, y: Descriptor, limit: int = 24, *, identity: bool = Tr
     s = min(_POINTS, len(x.samples), len(y.samples))
     near = between_samples(x.rows, x.samples[:s]), between_samples(y.rows, y.samples[:s])
     found: list[Hypothesis] = []
-    for metric, (view_x, view_y) in enumerate(zip(x.views, y.views, strict=False)):
-        maps = _grown_maps(view_x, view_y, x.samples[:s], y.samples[:s], identity)
+    views = zip(x.views, y.views, strict=False)
+    grown = concurrently(lambda pair: _grown_maps(*pair, x.samples[:s], y.samples[:s], identity), views)
+    for metric, maps in enumerate(grown):
         for images, distortion in zip(maps, point_distortions(*near, maps), strict=True):
             found.append(Hypothesis(x.samples[:s], y.samples[images], float(distortion), metric))
     found.sort(key=lambda hypothesis: hypothesis.distortion)

@@ -1,0 +1,85 @@
+"""By what the right one of several close maps is told best, as a Markdown table.
+
+    python benchmarks/matching_choice.py ROOT --categories cat dog centaur
+
+ROOT as for ``matching.py``. For each pair, the contenders that `qg.match` takes further: what they cost on trial, and
+where they end (see `decided`). A rule chooses the one that costs least on trial, at the end, or in the geometric mean
+of both, which is what `qg.match` does. Where right maps (mean error below .1 sqrt(area)) and wrong ones compete: how
+many times as much the cheapest wrong one costs as the cheapest right one; below 1 the choice is wrong. The last columns
+are the error of the map that each rule chooses, before the last pass.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+import numpy as np
+from geodesics_common import machine
+
+from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
+from qgeo_filters.evaluation.datasets import PointMap
+from qgeo_filters.evaluation.measure import by_target
+from qgeo_filters.geodesics.matrix import distance_matrix
+from qgeo_filters.matching.contenders import contenders, settled
+from qgeo_filters.matching.correspondence import _competing
+from qgeo_filters.matching.decision import _close
+from qgeo_filters.matching.descriptor import Descriptor
+
+WRONG = 0.1
+RULES = ("trial", "end", "both")
+
+
+def main() -> None:
+    """Print a row for each category; each pair with a wrong contender as it is done, as a comment."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("root")
+    parser.add_argument("--categories", nargs="+", default=["cat", "dog", "centaur"])
+    parser.add_argument("--pairs", nargs="+", metavar="X-Y", help="these alone, as one category")
+    arguments = parser.parse_args()
+    data = ToscaRemeshed(arguments.root)
+    if arguments.pairs:
+        groups = {"these": [(x, y) for x, y in (pair.split("-") for pair in arguments.pairs)]}
+    else:
+        groups = {category: list(data.pairs(category)) for category in arguments.categories}
+    print(f"{machine()}\n")
+    heads = [f"least ratio, by {rule}" for rule in RULES] + [f"error, by {rule}" for rule in RULES]
+    print(f"| category | pairs | with a wrong contender | {' | '.join(heads)} |")
+    print("| --- |" + " ---: |" * (2 + len(heads)))
+    for category, pairs in groups.items():
+        _row(data, category, by_target(pairs))
+
+
+def _row(data: ToscaRemeshed, category: str, pairs: list[tuple[str, str]]) -> None:
+    shapes: dict[str, Descriptor] = {}
+    ruler: tuple[str, np.ndarray] = ("", np.zeros((0, 0)))
+    ratios, chosen = [], []
+    for a, b in pairs:
+        for name in (a, b):
+            shapes.setdefault(name, Descriptor(data.read(name)))
+        if ruler[0] != b:
+            ruler = (b, distance_matrix(shapes[b].surface))
+        costs, errors = _contending(shapes[a], shapes[b], data.truth(a, b), ruler[1])
+        chosen.append(errors[costs.argmin(axis=0)])
+        wrong = errors > WRONG
+        if wrong.any() and not wrong.all():
+            ratios.append(costs[wrong].min(axis=0) / costs[~wrong].min(axis=0))
+            print(f"<!-- {a}-{b}: {', '.join(f'{ratio:.2f}' for ratio in ratios[-1])} -->", flush=True)
+    least = [f"{ratio:.2f}" for ratio in np.min(ratios, axis=0)] if ratios else ["-"] * len(RULES)
+    means = [f"{error:.4f}" for error in np.mean(chosen, axis=0)]
+    print(f"| {category} | {len(pairs)} | {len(ratios)} | {' | '.join(least + means)} |", flush=True)
+
+
+def _contending(x: Descriptor, y: Descriptor, truth: PointMap, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Costs (c, 3) of the contenders by each rule, and their errors (c,)."""
+    pool, mirrored = _competing(x, y)
+    target = y.mirrored if mirrored else y
+    close = _close(target, contenders(x, target, pool))
+    ends = settled(x, target, [c.result.p2p for c in close])
+    x.rigidity.release()
+    trial, end = (np.array([c.cost for c in some]) for some in (close, ends))
+    errors = [geodesic_error(c.result.p2p[truth.points], truth.images, y.surface, matrix=matrix).mean() for c in ends]
+    return np.column_stack([trial, end, np.sqrt(trial * end)]), np.array(errors)
+
+
+if __name__ == "__main__":
+    main()
