@@ -29,6 +29,9 @@ _POINTS = 300
 _MAPPED = 800
 # Triangles, each at a farthest point, that tell the orientation.
 _TRIANGLES = 400
+# A map whose orientation is nearer to 0 turns much of the surface over: the best ones between poses of the tuning
+# categories have .39 and more.
+_ONE_SIDED = 0.15
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +59,10 @@ def mapped_points(x: Descriptor) -> IndexArray:
 
 
 def candidates(x: Descriptor, y: Descriptor, *, identity: bool = True) -> list[Candidate]:
-    """Different maps from X to Y, the least distorting first; see `search` for ``identity``."""
+    """Different maps from X to Y, the least distorting first; see `search` for ``identity``.
+
+    Maps that neither keep nor reverse the orientation are left out, unless there are no others.
+    """
     hypotheses = search(x, y, identity=identity)
     # Without the identity, what is left near it may keep distances better than any reflection does.
     bound = _WORTHWHILE * max(hypotheses[0].distortion, _ROUGH) + 0.01 if identity and hypotheses else np.inf
@@ -71,7 +77,8 @@ def candidates(x: Descriptor, y: Descriptor, *, identity: bool = True) -> list[C
 
     tasks = [partial(grown, x, y, hypothesis, vertices) for hypothesis in worth]
     tasks += [partial(spread, x, y, guess, vertices) for guess in guesses]
-    return sorted(concurrently(lambda task: measured(task()), tasks), key=lambda c: c.distortion)
+    found = sorted(concurrently(lambda task: measured(task()), tasks), key=lambda c: c.distortion)
+    return [c for c in found if abs(c.orientation) > _ONE_SIDED] or found
 
 
 def _largest_triangles(x: Descriptor) -> IndexArray:

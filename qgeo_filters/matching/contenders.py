@@ -11,7 +11,7 @@ from qgeo_filters.matching.candidates import Candidate, between, distortion, map
 from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.descriptor import Descriptor
 from qgeo_filters.matching.finish import RECONSIDERING, SETTLING, TRIAL, Finished, Pass, factorised, finished
-from qgeo_filters.matching.likeness import likeness
+from qgeo_filters.matching.likeness import likeness, relief_likeness
 from qgeo_filters.matching.search import differ
 
 IndexArray = npt.NDArray[np.int64]
@@ -23,7 +23,7 @@ _CONTENDING = 1.7
 _TORN = 3.0
 # Shares of torn edges and folded triangles, strains and distortions below these do not tell maps apart.
 _LEAST_TORN, _LEAST_FOLDED, _LEAST_STRAIN, _LEAST_DISTORTION = 1e-3, 5e-4, 1e-3, 1e-4
-_LEAST_UNLIKE = 5e-3
+_LEAST_UNLIKE, _LEAST_RELIEF = 5e-3, 5e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +43,8 @@ class Contender:
         Share of X's area that the deformation turns over.
     likeness : float
         See `likeness`.
+    relief : float
+        See `relief_likeness`.
     """
 
     result: Finished
@@ -51,13 +53,18 @@ class Contender:
     torn: float
     folded: float
     likeness: float
+    relief: float
 
     @property
     def cost(self) -> float:
-        """Product of strain, torn and folded shares, and root of the distortion: larger for a map wrong in a part."""
+        """Product of strain, torn and folded shares, root of the distortion, and how unlike the parts are.
+
+        Larger for a map that is wrong in a part. The relief counts squared.
+        """
         torn, folded = max(self.torn, _LEAST_TORN), self.folded + _LEAST_FOLDED
         strain, unlike = max(self.strain, _LEAST_STRAIN), 1 - self.likeness + _LEAST_UNLIKE
-        return strain * torn * folded * unlike * np.sqrt(max(self.distortion, _LEAST_DISTORTION))
+        bulging = (1 - self.relief + _LEAST_RELIEF) ** 2
+        return strain * torn * folded * unlike * bulging * np.sqrt(max(self.distortion, _LEAST_DISTORTION))
 
 
 def contenders(x: Descriptor, y: Descriptor, pool: list[Candidate]) -> list[Contender]:
@@ -107,4 +114,5 @@ def _contender(x: Descriptor, y: Descriptor, result: Finished) -> Contender:
     against = np.einsum("ij,ij->i", deformed.face_normals, y.normals[p2p[x.unit.faces]].sum(axis=1)) < 0
     folded = float(x.unit.face_areas @ against) / x.unit.area
     mean = distortion(x, y, p2p[x.samples])
-    return Contender(result, mean, x.rigidity.strain(result.positions), torn, folded, likeness(x, y, p2p))
+    strain, relief = x.rigidity.strain(result.positions), relief_likeness(x, y, p2p)
+    return Contender(result, mean, strain, torn, folded, likeness(x, y, p2p), relief)

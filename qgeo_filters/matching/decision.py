@@ -40,7 +40,7 @@ class Decision:
     distortion : float
         See `Candidate`.
     margin : float
-        How many times its cost, on trial and at the end, the next different contender's is; inf if there is none.
+        How many times its cost the next different contender's is; inf if there is none.
     runner_up : float
         Distortion of that one.
     """
@@ -54,12 +54,7 @@ class Decision:
 def decided(
     x: Descriptor, y: Descriptor, pool: list[Candidate], apart: float = DISTINCT, *, mirror: bool = False
 ) -> Decision:
-    """The best of the maps, finished on all vertices: of those that cost little on trial, the cheapest there and later.
-
-    What a map costs where it ends does not tell all: a deformation that starts wrong in a part may be smoothed into one
-    that costs little. Hence the geometric mean of both, which is the farthest from a wrong choice on the tuning
-    categories: where the close contenders include a wrong map, 2.6 times the right one's cost or more, but 2.1 for the
-    end alone.
+    """The best of the maps, finished on all vertices: of those that cost little on trial the one that ends cheapest.
 
     Rivals are contenders whose images are ``apart`` in the mean, in sqrt(area), from those of the best.
     With ``mirror``, Y is X's mirror image of the same vertices.
@@ -76,15 +71,14 @@ def _decided(x: Descriptor, y: Descriptor, pool: list[Candidate], apart: float, 
         ranked = _reflections(x, ranked)
     close = _close(y, ranked)
     ends = settled(x, y, [c.result.p2p for c in close])
-    costs = [float(np.sqrt(c.cost * end.cost)) for c, end in zip(close, ends, strict=True)]
-    order = sorted(range(len(close)), key=lambda i: costs[i])
+    order = sorted(range(len(close)), key=lambda i: ends[i].cost)
     best, trial = ends[order[0]], close[order[0]]
 
     def elsewhere(c: Contender) -> bool:
         return float(between(y, c.result.p2p, best.result.p2p).mean()) > apart
 
-    # A rival that was taken further is compared there, too, the others as they were on trial.
-    rivals = [(costs[i] / costs[order[0]], ends[i]) for i in order[1:] if elsewhere(ends[i])]
+    # A rival that was taken further is compared there, the others as they were on trial.
+    rivals = [(ends[i].cost / best.cost, ends[i]) for i in order[1:] if elsewhere(ends[i])]
     rivals += [(c.cost / trial.cost, c) for c in ranked if not any(c is t for t in close) and elsewhere(c)]
     margin, rival = min(rivals, key=lambda pair: pair[0], default=(np.inf, None))
     if mirror:

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.defaults import CURVATURE_WEIGHT
+from qgeo_filters.differential.curvature import mean_curvature
 from qgeo_filters.errors import MeshError
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
@@ -31,6 +32,9 @@ METRIC_WEIGHTS = (0.0, 0.03, CURVATURE_WEIGHT)
 HEAT_TIMES = (0.003, 0.01, 0.03)
 #: Fewest vertices of a shape that can be matched: the search needs more points than eigenfunctions.
 MINIMUM_VERTICES = 60
+# Time of heat, in units of the area, over which the relief is smoothed: a breast, a muzzle. Curvatures beyond this, in
+# 1 / sqrt(area), are those of fingers and ears, and of noise.
+_RELIEF_TIME, _SHARPEST = 0.001, 30.0
 # Eigenfunctions of the distances and of the Laplacian, and farthest points.
 _DISTANCE_FUNCTIONS = 100
 _LAPLACIAN_FUNCTIONS = 200
@@ -125,7 +129,8 @@ class Descriptor:
 
     def prepared(self) -> Descriptor:
         """The same descriptor, with everything that matching takes from it computed now."""
-        for name in ("views", "laplacian", "normals", "heat_kernels"):  # cached properties: looking at one computes it
+        # Cached properties: looking at one computes it.
+        for name in ("views", "laplacian", "normals", "heat_kernels", "relief"):
             getattr(self, name)
         return self
 
@@ -190,6 +195,14 @@ class Descriptor:
         """Logarithm of the heat kernel h(t; p, p) at each of ``HEAT_TIMES``, (n, 3)."""
         squares = self.laplacian.astype(np.float64) ** 2
         return frozen(np.log(squares @ np.exp(-np.outer(self.laplacian_eigenvalues, HEAT_TIMES))))
+
+    @cached_property
+    def relief(self) -> FloatArray:
+        """Smoothed mean curvature, (n,), in units of 1 / sqrt(area): what bulges and what is hollow."""
+        curvature = np.clip(mean_curvature(self.unit), -_SHARPEST, _SHARPEST)
+        functions = self.laplacian.astype(np.float64)
+        decay = np.exp(-_RELIEF_TIME * self.laplacian_eigenvalues)
+        return frozen(functions @ (decay * (functions.T @ (self.areas * curvature))))
 
     @cached_property
     def rigidity(self) -> Rigidity:
