@@ -3,10 +3,11 @@
     python benchmarks/matching_choice.py ROOT --categories cat dog centaur
 
 ROOT as for ``matching.py``. For each pair, the contenders that `qg.match` takes further: what they cost on trial, and
-where they end (see `decided`). A rule chooses the one that costs least on trial, at the end, or in the geometric mean
-of both, which is what `qg.match` does. Where right maps (mean error below .1 sqrt(area)) and wrong ones compete: how
-many times as much the cheapest wrong one costs as the cheapest right one; below 1 the choice is wrong. The last columns
-are the error of the map that each rule chooses, before the last pass.
+where they end (see `decided`). A rule chooses the one that costs least at the end, which is what `qg.match` does; the
+same without what the relief adds to the cost; on trial; or in the geometric mean of trial and end. Where right maps
+(mean error below .1 sqrt(area)) and wrong ones compete: how many times as much the cheapest wrong one costs as the
+cheapest right one; below 1 the choice is wrong. The last columns are the error of the map that each rule chooses,
+before the last pass.
 """
 
 from __future__ import annotations
@@ -20,13 +21,13 @@ from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
 from qgeo_filters.evaluation.datasets import PointMap
 from qgeo_filters.evaluation.measure import by_target
 from qgeo_filters.geodesics.matrix import distance_matrix
-from qgeo_filters.matching.contenders import contenders, settled
+from qgeo_filters.matching.contenders import _LEAST_RELIEF, contenders, settled
 from qgeo_filters.matching.correspondence import _competing
 from qgeo_filters.matching.decision import _close
 from qgeo_filters.matching.descriptor import Descriptor
 
 WRONG = 0.1
-RULES = ("trial", "end", "both")
+RULES = ("end", "end without relief", "trial", "both")
 
 
 def main() -> None:
@@ -70,7 +71,7 @@ def _row(data: ToscaRemeshed, category: str, pairs: list[tuple[str, str]]) -> No
 
 
 def _contending(x: Descriptor, y: Descriptor, truth: PointMap, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Costs (c, 3) of the contenders by each rule, and their errors (c,)."""
+    """Costs (c, 4) of the contenders by each rule, and their errors (c,)."""
     pool, mirrored = _competing(x, y)
     target = y.mirrored if mirrored else y
     close = _close(target, contenders(x, target, pool))
@@ -78,7 +79,8 @@ def _contending(x: Descriptor, y: Descriptor, truth: PointMap, matrix: np.ndarra
     x.rigidity.release()
     trial, end = (np.array([c.cost for c in some]) for some in (close, ends))
     errors = [geodesic_error(c.result.p2p[truth.points], truth.images, y.surface, matrix=matrix).mean() for c in ends]
-    return np.column_stack([trial, end, np.sqrt(trial * end)]), np.array(errors)
+    relief = np.array([(1 - c.relief + _LEAST_RELIEF) ** 2 for c in ends])
+    return np.column_stack([end, end / relief, trial, np.sqrt(trial * end)]), np.array(errors)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import sys
 
 import numpy as np
 import pytest
@@ -74,3 +75,14 @@ def test_the_twin_of_a_candidate_is_its_mirror_image(onto: bool) -> None:
     assert twin.orientation == -reversing.orientation
     assert twin.distortion == pytest.approx(reversing.distortion, abs=0.02)
     assert between(y, twin.p2p, mapped_points(x)).mean() < 0.06
+
+
+def test_maps_without_a_side_compete_only_where_there_are_no_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = sys.modules[candidates.__module__]
+    assert all(abs(c.orientation) > 0.15 for c in found())
+    x, y = pair()
+    monkeypatch.setattr(module, "_ONE_SIDED", -1.0)
+    everything = candidates(x, y)
+    assert len(everything) > len(found())
+    monkeypatch.setattr(module, "_ONE_SIDED", 1.0)
+    assert [c.orientation for c in candidates(x, y)] == [c.orientation for c in everything]
