@@ -4,7 +4,7 @@
 
 ROOT as for ``matching.py``. For each pair, the contenders that `qg.match` takes further: what they cost on trial, and
 where they end (see `decided`). A rule chooses the one that costs least at the end, which is what `qg.match` does; the
-same without what the relief adds to the cost; on trial; or in the geometric mean of trial and end. Where right maps
+same without what the relief adds to the cost; on trial; or in the geometric mean of the last two. Where right maps
 (mean error below .1 sqrt(area)) and wrong ones compete: how many times as much the cheapest wrong one costs as the
 cheapest right one; below 1 the choice is wrong. The last columns are the error of the map that each rule chooses,
 before the last pass.
@@ -21,7 +21,7 @@ from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
 from qgeo_filters.evaluation.datasets import PointMap
 from qgeo_filters.evaluation.measure import by_target
 from qgeo_filters.geodesics.matrix import distance_matrix
-from qgeo_filters.matching.contenders import _LEAST_RELIEF, contenders, settled
+from qgeo_filters.matching.contenders import contenders, settled
 from qgeo_filters.matching.correspondence import _competing
 from qgeo_filters.matching.decision import _close
 from qgeo_filters.matching.descriptor import Descriptor
@@ -77,10 +77,11 @@ def _contending(x: Descriptor, y: Descriptor, truth: PointMap, matrix: np.ndarra
     close = _close(target, contenders(x, target, pool))
     ends = settled(x, target, [c.result.p2p for c in close])
     x.rigidity.release()
-    trial, end = (np.array([c.cost for c in some]) for some in (close, ends))
+    trial, plain, end = (
+        np.array(costs) for costs in ([c.cost for c in close], [c.cost for c in ends], [c.end_cost for c in ends])
+    )
     errors = [geodesic_error(c.result.p2p[truth.points], truth.images, y.surface, matrix=matrix).mean() for c in ends]
-    relief = np.array([(1 - c.relief + _LEAST_RELIEF) ** 2 for c in ends])
-    return np.column_stack([end, end / relief, trial, np.sqrt(trial * end)]), np.array(errors)
+    return np.column_stack([end, plain, trial, np.sqrt(trial * plain)]), np.array(errors)
 
 
 if __name__ == "__main__":

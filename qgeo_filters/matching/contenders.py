@@ -59,12 +59,16 @@ class Contender:
     def cost(self) -> float:
         """Product of strain, torn and folded shares, root of the distortion, and how unlike the parts are.
 
-        Larger for a map that is wrong in a part. The relief counts squared.
+        Larger for a map that is wrong in a part.
         """
         torn, folded = max(self.torn, _LEAST_TORN), self.folded + _LEAST_FOLDED
         strain, unlike = max(self.strain, _LEAST_STRAIN), 1 - self.likeness + _LEAST_UNLIKE
-        bulging = (1 - self.relief + _LEAST_RELIEF) ** 2
-        return strain * torn * folded * unlike * bulging * np.sqrt(max(self.distortion, _LEAST_DISTORTION))
+        return strain * torn * folded * unlike * np.sqrt(max(self.distortion, _LEAST_DISTORTION))
+
+    @property
+    def end_cost(self) -> float:
+        """The cost, and how unlike the relief is, squared: for maps that have settled, details included."""
+        return self.cost * (1 - self.relief + _LEAST_RELIEF) ** 2
 
 
 def contenders(x: Descriptor, y: Descriptor, pool: list[Candidate]) -> list[Contender]:
@@ -100,7 +104,7 @@ def settled(x: Descriptor, y: Descriptor, maps: list[IndexArray]) -> list[Conten
     def ending(p2p: IndexArray) -> Contender:
         end = _contender(x, y, finished(x, y, p2p, SETTLING))
         again = _contender(x, y, finished(x, y, end.result.p2p, RECONSIDERING))
-        return min(end, again, key=lambda c: c.cost)
+        return min(end, again, key=lambda c: c.end_cost)
 
     return concurrently(ending, maps)
 

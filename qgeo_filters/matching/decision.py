@@ -71,14 +71,14 @@ def _decided(x: Descriptor, y: Descriptor, pool: list[Candidate], apart: float, 
         ranked = _reflections(x, ranked)
     close = _close(y, ranked)
     ends = settled(x, y, [c.result.p2p for c in close])
-    order = sorted(range(len(close)), key=lambda i: ends[i].cost)
+    order = sorted(range(len(close)), key=lambda i: ends[i].end_cost)
     best, trial = ends[order[0]], close[order[0]]
 
     def elsewhere(c: Contender) -> bool:
         return float(between(y, c.result.p2p, best.result.p2p).mean()) > apart
 
     # A rival that was taken further is compared there, the others as they were on trial.
-    rivals = [(ends[i].cost / best.cost, ends[i]) for i in order[1:] if elsewhere(ends[i])]
+    rivals = [(ends[i].end_cost / best.end_cost, ends[i]) for i in order[1:] if elsewhere(ends[i])]
     rivals += [(c.cost / trial.cost, c) for c in ranked if not any(c is t for t in close) and elsewhere(c)]
     margin, rival = min(rivals, key=lambda pair: pair[0], default=(np.inf, None))
     if mirror:
