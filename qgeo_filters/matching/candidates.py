@@ -29,8 +29,8 @@ _POINTS = 300
 _MAPPED = 800
 # Triangles, each at a farthest point, that tell the orientation.
 _TRIANGLES = 400
-# A map whose orientation is nearer to 0 turns much of the surface over: the best ones between poses of the tuning
-# categories have .39 and more.
+# A map whose orientation is nearer to 0 turns much of the surface over: the best right ones of sixteen pairs of the
+# tuning categories have .38 and more.
 _ONE_SIDED = 0.15
 
 

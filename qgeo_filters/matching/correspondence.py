@@ -57,7 +57,7 @@ class Correspondence:
     runner_up : float
         Mean distortion of the best other map that keeps the orientation; inf if none was proposed.
     margin : float
-        How many times the chosen map's cost (strain, tearing and folding of X along it) the runner-up's is.
+        How many times the chosen map's cost (strain, tearing, folding, unlike parts) the runner-up's is.
     orientation : float
         See `orientation`: near 0.7 for a map between shapes of the same handedness; negative if Y is a mirror image.
     likeness : float
@@ -125,8 +125,8 @@ def match(
     (`search`), grown by spectral upsampling, and from likely matchings of the ends of limbs (`extremity_maps`). A
     shape with a left and a right has a mirrored twin of every good map, which keeps distances as well: the twin of
     each map that turns the surface inside out is made by the self-symmetry, and only maps that keep the orientation
-    compete. The best is the one along which X deforms with the least strain, tearing and folding (`decided`), and is
-    finished on all vertices (`finished`). The result does not depend on the signs and order that a solver returns, nor
+    compete. The best is the one along which X deforms with the least strain, tearing and folding onto parts that are
+    alike (`decided`), and is finished on all vertices (`finished`). The result does not depend on the signs and order that a solver returns, nor
     on position and size.
     """
     a, b = Descriptor.of(x, progress), Descriptor.of(y, progress)
