@@ -126,8 +126,8 @@ def match(
     shape with a left and a right has a mirrored twin of every good map, which keeps distances as well: the twin of
     each map that turns the surface inside out is made by the self-symmetry, and only maps that keep the orientation
     compete. The best is the one along which X deforms with the least strain, tearing and folding onto parts that are
-    alike (`decided`), and is finished on all vertices (`finished`). The result does not depend on the signs and order that a solver returns, nor
-    on position and size.
+    alike (`decided`), and is finished on all vertices (`finished`). The result does not depend on the signs
+    and order that a solver returns, nor on position and size.
     """
     a, b = Descriptor.of(x, progress), Descriptor.of(y, progress)
     if not normalize:
