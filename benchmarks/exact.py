@@ -19,8 +19,8 @@ import pygeodesic.geodesic as pygeodesic
 from scipy.spatial import ConvexHull, Delaunay
 
 from qgeo_filters import Surface
-from qgeo_filters.geodesics.exact import exact_distances
 from qgeo_filters.geodesics.metric import cartesian_metric
+from qgeo_filters.geodesics.mmp.exact import exact_distances
 
 
 def meshes() -> Iterator[tuple[str, Surface]]:

@@ -14,9 +14,9 @@ import potpourri3d
 import pygeodesic.geodesic as pygeodesic
 from scipy.spatial import ConvexHull, Delaunay
 
-from qgeo_filters.geodesics.edges import edge_distances
-from qgeo_filters.geodesics.exact import exact_distances
+from qgeo_filters.geodesics.dijkstra import edge_distances
 from qgeo_filters.geodesics.metric import LiftedMetric, cartesian_metric
+from qgeo_filters.geodesics.mmp.exact import exact_distances
 from qgeo_filters.surface import Surface
 
 Mesh = tuple[np.ndarray, np.ndarray]

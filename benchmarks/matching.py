@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from qgeo_filters.evaluation import ToscaRemeshed, markdown, rows_by_category
-from qgeo_filters.evaluation.measure import PairFailure, PairStore, by_target, measured
+from qgeo_filters.evaluation.runner import PairFailure, PairStore, by_target, measured
 
 TUNING = ("cat", "dog", "centaur")
 TEST = ("horse", "michael", "victoria", "wolf")

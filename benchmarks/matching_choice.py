@@ -19,12 +19,12 @@ from geodesics_common import machine
 
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
 from qgeo_filters.evaluation.datasets import PointMap
-from qgeo_filters.evaluation.measure import by_target
+from qgeo_filters.evaluation.runner import by_target
 from qgeo_filters.geodesics.matrix import distance_matrix
-from qgeo_filters.matching.contenders import contenders, settled
 from qgeo_filters.matching.correspondence import _competing
-from qgeo_filters.matching.decision import _close
-from qgeo_filters.matching.descriptor import Descriptor
+from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.selection.cost import contenders, settled
+from qgeo_filters.matching.selection.decision import _close
 
 WRONG = 0.1
 RULES = ("end", "end without relief", "trial", "both")

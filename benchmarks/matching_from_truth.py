@@ -17,9 +17,9 @@ from geodesics_common import machine
 
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
 from qgeo_filters.evaluation.datasets import PointMap
-from qgeo_filters.matching.descriptor import Descriptor
-from qgeo_filters.matching.finish import ENDING, SETTLING, finished
-from qgeo_filters.matching.refine import nearest, upsampled
+from qgeo_filters.matching.maps.functional_map import nearest, upsampled
+from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.smooth_shells import ENDING, SETTLING, finished
 
 PAIRS = [
     "cat4-cat7", "cat9-cat7", "cat7-cat1", "cat4-cat9", "cat1-cat9", "cat6-cat10", "cat0-cat9", "cat2-cat7",

@@ -25,7 +25,7 @@ from pyFM.mesh import TriMesh
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import PairResult, Row, ToscaRemeshed, symmetric_errors
-from qgeo_filters.evaluation.measure import PairFailure, PairStore, by_target, measured
+from qgeo_filters.evaluation.runner import PairFailure, PairStore, by_target, measured
 
 CATEGORIES = ("cat", "dog", "centaur", "horse", "michael", "victoria", "wolf")
 OURS, FITTED, REFINED = "`qg.match`", "pyFM: WKS, orientation", "pyFM: the same, then ZoomOut"

@@ -15,10 +15,10 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from qgeo_filters.evaluation import ToscaRemeshed
-from qgeo_filters.geodesics.tasks import worker_count
 from qgeo_filters.matching.correspondence import match
-from qgeo_filters.matching.descriptor import Descriptor
+from qgeo_filters.matching.prepared_shape import Descriptor
 from qgeo_filters.matching.symmetry import self_symmetry
+from qgeo_filters.parallel import worker_count
 
 Result = TypeVar("Result")
 

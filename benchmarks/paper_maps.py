@@ -24,8 +24,8 @@ import numpy as np
 from paper_study import FUNCTIONS, Arrays, Claim, Part, Study, metric_label
 
 from qgeo_filters.evaluation import error_curve, symmetric_errors
-from qgeo_filters.evaluation.measure import PairFailure, measured
-from qgeo_filters.matching.refine import nearest
+from qgeo_filters.evaluation.runner import PairFailure, measured
+from qgeo_filters.matching.maps.functional_map import nearest
 from qgeo_filters.report.html import Table
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
 

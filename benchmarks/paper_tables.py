@@ -17,7 +17,7 @@ from paper_study import FUNCTIONS, GUIDED, SCALAR, TUNING, Claim, Part, Study, m
 from scipy.stats import spearmanr
 from symmetry_measure import READINGS, TABLE_1, mirror_ratios, table_1
 
-from qgeo_filters.deformation.compatibility import compatibility_of_spectra
+from qgeo_filters.matching.compatibility import compatibility_of_spectra
 from qgeo_filters.report.html import Table
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
 

@@ -19,9 +19,9 @@ import numpy as np
 import potpourri3d
 
 from qgeo_filters import Surface, lifted_metric
-from qgeo_filters.geodesics.exact import exact_distances
 from qgeo_filters.geodesics.metric import LiftedMetric, cartesian_metric
-from qgeo_filters.geodesics.paths import quasi_geodesics
+from qgeo_filters.geodesics.mmp.exact import exact_distances
+from qgeo_filters.geodesics.path.paths import quasi_geodesics
 
 
 def meshes() -> Iterator[tuple[str, Surface, LiftedMetric]]:

@@ -20,7 +20,7 @@ import qgeo_filters as qg
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.cli.demo import cow
 from qgeo_filters.matching.correspondence import match
-from qgeo_filters.matching.descriptor import Descriptor
+from qgeo_filters.matching.prepared_shape import Descriptor
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.report import figures
 from qgeo_filters.surface import Surface

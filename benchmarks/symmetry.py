@@ -12,7 +12,7 @@ import argparse
 import time
 
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
-from qgeo_filters.matching.descriptor import Descriptor
+from qgeo_filters.matching.prepared_shape import Descriptor
 from qgeo_filters.matching.symmetry import self_symmetry
 
 

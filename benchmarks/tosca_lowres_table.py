@@ -13,8 +13,8 @@ import sys
 from pathlib import Path
 
 from qgeo_filters.errors import MeshError
-from qgeo_filters.interop.files import read_surface
-from qgeo_filters.interop.repair import repair_surface
+from qgeo_filters.hosts.repair import repair_surface
+from qgeo_filters.io.formats import read_surface
 from qgeo_filters.surface import Surface
 
 

@@ -72,14 +72,14 @@ class Surface:
 
     @classmethod
     def read(cls, path: str | PathLike[str], *, repair: bool = False) -> Surface:
-        """Surface from a file (OFF, OBJ, PLY, STL, GLB, TOSCA's .vert/.tri and .mat), see `interop.files`."""
-        from qgeo_filters.interop.files import read_surface
+        """Surface from a file (OFF, OBJ, PLY, STL, GLB, TOSCA's .vert/.tri and .mat), see `io.formats`."""
+        from qgeo_filters.io.formats import read_surface
 
         return read_surface(path, repair=repair)
 
     def write(self, path: str | PathLike[str]) -> None:
-        """Write to a file, atomically; PLY keeps every attribute, see `interop.files`."""
-        from qgeo_filters.interop.files import write_surface
+        """Write to a file, atomically; PLY keeps every attribute, see `io.formats`."""
+        from qgeo_filters.io.formats import write_surface
 
         write_surface(self, path)
 

@@ -154,7 +154,7 @@ def _serialisation(filter: Filter, surface: Surface) -> None:
 
 
 def _hosts(filter: Filter, surface: Surface) -> None:
-    from qgeo_filters.interop import as_surface
+    from qgeo_filters.hosts.dispatch import as_surface
 
     kind = type(filter).__name__
     expected = filter.apply(surface).attributes

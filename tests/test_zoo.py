@@ -14,11 +14,11 @@ from shapes import bow_tie, icosphere
 from zoo import GENERATED, Animal, files
 
 from qgeo_filters.errors import MeshError, NonManifoldError
-from qgeo_filters.geodesics.edges import edge_distances
+from qgeo_filters.geodesics.dijkstra import edge_distances
 from qgeo_filters.geodesics.metric import cartesian_metric
-from qgeo_filters.interop import as_surface
-from qgeo_filters.interop.raw import RawMesh
-from qgeo_filters.interop.repair import repair_surface
+from qgeo_filters.hosts.dispatch import as_surface
+from qgeo_filters.hosts.repair import repair_surface
+from qgeo_filters.io.raw_mesh import RawMesh
 from qgeo_filters.surface import Surface
 
 ANIMALS = GENERATED + (files(shared_data()) if (shared_data() / "malformed").is_dir() else [])

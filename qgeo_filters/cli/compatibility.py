@@ -38,7 +38,7 @@ def compatibility(
     import numpy as np
 
     from qgeo_filters.cli.job import Job
-    from qgeo_filters.deformation.compatibility import compatibility as compatibility_of
+    from qgeo_filters.matching.compatibility import compatibility as compatibility_of
     from qgeo_filters.report.curves import plot_pairwise
     from qgeo_filters.report.html import Table
     from qgeo_filters.report.maps import plot_poses

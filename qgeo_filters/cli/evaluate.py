@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from qgeo_filters.cli.job import Job
     from qgeo_filters.evaluation import Dataset, PairResult, Row
-    from qgeo_filters.evaluation.measure import PairFailure
+    from qgeo_filters.evaluation.runner import PairFailure
     from qgeo_filters.report.html import Table
 
 # Pairs in the table of the worst.
@@ -55,7 +55,7 @@ def evaluate(
 
     from qgeo_filters.cli.job import Job
     from qgeo_filters.evaluation import markdown, rows_by_category
-    from qgeo_filters.evaluation.measure import PairFailure, PairStore, by_target, measured
+    from qgeo_filters.evaluation.runner import PairFailure, PairStore, by_target, measured
     from qgeo_filters.report.curves import plot_error_curve
 
     if pairs is not None and pairs < 1:

@@ -184,7 +184,7 @@ def path(
 
     from qgeo_filters.cli.job import Job
     from qgeo_filters.geodesics.lifting import lifted_metric
-    from qgeo_filters.geodesics.paths import quasi_geodesic
+    from qgeo_filters.geodesics.path.paths import quasi_geodesic
     from qgeo_filters.report.figures import plot_path, plot_path_curvature
     from qgeo_filters.validation import checked_index
 

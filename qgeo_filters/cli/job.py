@@ -20,8 +20,8 @@ from rich.table import Table as TerminalTable
 from qgeo_filters import __version__
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.cli.options import Settings
-from qgeo_filters.interop.files import read_surface, write_surface
-from qgeo_filters.interop.repair import repair_surface
+from qgeo_filters.hosts.repair import repair_surface
+from qgeo_filters.io.formats import read_surface, write_surface
 from qgeo_filters.report.html import Picture, Table, formatted, write_report
 from qgeo_filters.surface import Surface
 

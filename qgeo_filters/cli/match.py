@@ -49,7 +49,7 @@ def match(
     from qgeo_filters.cli.job import Job
     from qgeo_filters.evaluation.errors import geodesic_error
     from qgeo_filters.matching.correspondence import match as correspondence_of
-    from qgeo_filters.matching.descriptor import Descriptor, check_same_size
+    from qgeo_filters.matching.prepared_shape import Descriptor, check_same_size
 
     parameters = {"normalize": normalize, "truth": None if truth is None else str(truth), "repair": repair}
     job = Job("match", Settings(output, quiet, json, repair, pictures), parameters)

@@ -75,7 +75,7 @@ def symmetry(
     from qgeo_filters.caching import cache
     from qgeo_filters.cli.job import Job
     from qgeo_filters.filters import stages
-    from qgeo_filters.matching.descriptor import check_matchable
+    from qgeo_filters.matching.prepared_shape import check_matchable
 
     parameters = {
         "map": explicit,

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.errors import MeshError
-from qgeo_filters.interop.files import read_surface
+from qgeo_filters.io.formats import read_surface
 from qgeo_filters.surface import Surface
 
 IntArray = npt.NDArray[np.int64]

@@ -10,8 +10,8 @@ import numpy as np
 
 from qgeo_filters.caching import cache
 from qgeo_filters.errors import MeshError
-from qgeo_filters.interop import as_surface, has_adapter, like_host
-from qgeo_filters.interop.repair import Repair, repair_surface
+from qgeo_filters.hosts.dispatch import as_surface, has_adapter, like_host
+from qgeo_filters.hosts.repair import Repair, repair_surface
 from qgeo_filters.surface import Surface
 
 FilterType = TypeVar("FilterType", bound="Filter")

@@ -13,7 +13,7 @@ from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter, registered
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric
-from qgeo_filters.geodesics.paths import GeodesicPath, quasi_geodesic
+from qgeo_filters.geodesics.path.paths import GeodesicPath, quasi_geodesic
 from qgeo_filters.surface import Surface
 
 Method = Literal["graph", "exact", "edges"]

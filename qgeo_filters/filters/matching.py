@@ -12,7 +12,7 @@ from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter, registered
 from qgeo_filters.filters.geodesics import Method, MetricFilter
-from qgeo_filters.interop import as_surface
+from qgeo_filters.hosts.dispatch import as_surface
 from qgeo_filters.matching.correspondence import Correspondence as MatchResult
 from qgeo_filters.matching.symmetry import Symmetry
 from qgeo_filters.matching.symmetry_measure import Reading, symmetry_epsilon, symmetry_regions, symmetry_sum

@@ -20,7 +20,7 @@ from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.differential import DifferentialCoordinates, SurfaceScalar
 from qgeo_filters.filters.geodesics import QuasiGeodesicDistances
 from qgeo_filters.filters.spectral import QuasiGeodesicSpectrum
-from qgeo_filters.interop import as_surface
+from qgeo_filters.hosts.dispatch import as_surface
 from qgeo_filters.surface import Surface
 
 

@@ -13,7 +13,7 @@ from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import LiftedMetric
 from qgeo_filters.matching.correspondence import Correspondence, match
-from qgeo_filters.matching.descriptor import METRIC_WEIGHTS, Descriptor, check_same_size
+from qgeo_filters.matching.prepared_shape import METRIC_WEIGHTS, Descriptor, check_same_size
 from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
 from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum
 from qgeo_filters.surface import Surface

@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.errors import MeshError
-from qgeo_filters.geodesics.edges import edge_distances
-from qgeo_filters.geodesics.graph import GeodesicGraph, graph_of
+from qgeo_filters.geodesics.dgg.graph import GeodesicGraph, graph_of
+from qgeo_filters.geodesics.dijkstra import edge_distances
 from qgeo_filters.geodesics.metric import IntrinsicMesh, LiftedMetric, cartesian_metric
-from qgeo_filters.geodesics.tasks import GROUP, run_tasks, worker_count
+from qgeo_filters.parallel import GROUP, run_tasks, worker_count
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices
 
@@ -90,7 +90,7 @@ def distances(
     mesh = _mesh(surface, metric)
     if method == "edges":
         return edge_distances(mesh, chosen)
-    from qgeo_filters.geodesics.exact import exact_distances
+    from qgeo_filters.geodesics.mmp.exact import exact_distances
 
     return exact_distances(mesh, chosen, workers=threads, progress=progress)
 

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.sparse.linalg import LinearOperator
 
-from qgeo_filters.geodesics.graph import graph_of
+from qgeo_filters.geodesics.dgg.graph import graph_of
 from qgeo_filters.geodesics.metric import LiftedMetric
-from qgeo_filters.geodesics.tasks import GROUP, run_tasks, worker_count
+from qgeo_filters.parallel import GROUP, run_tasks, worker_count
 from qgeo_filters.surface import Surface
 
 

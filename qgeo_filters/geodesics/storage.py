@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from qgeo_filters.errors import require_package
-from qgeo_filters.geodesics.graph import GeodesicGraph
+from qgeo_filters.geodesics.dgg.graph import GeodesicGraph
 from qgeo_filters.geodesics.metric import IntrinsicMesh
-from qgeo_filters.geodesics.tasks import GROUP, run_tasks
+from qgeo_filters.parallel import GROUP, run_tasks
 
 _KEY = "qgeo_distance_matrix"
 

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from threadpoolctl import threadpool_limits
 
-from qgeo_filters.geodesics.tasks import worker_count
+from qgeo_filters.parallel import worker_count
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

@@ -8,14 +8,14 @@ import numpy as np
 import numpy.typing as npt
 from tqdm.auto import tqdm
 
-from qgeo_filters.matching.barycentric import BarycentricMap, barycentric_map
-from qgeo_filters.matching.candidates import Candidate, candidates, distortion
-from qgeo_filters.matching.decision import Decision, decided
-from qgeo_filters.matching.descriptor import Descriptor, check_same_size
-from qgeo_filters.matching.likeness import likeness
-from qgeo_filters.matching.orientation import orientation
-from qgeo_filters.matching.refine import functional_map
+from qgeo_filters.matching.initialization.candidates import Candidate, candidates, distortion
+from qgeo_filters.matching.maps.barycentric import BarycentricMap, barycentric_map
+from qgeo_filters.matching.maps.functional_map import functional_map
+from qgeo_filters.matching.maps.orientation import orientation
+from qgeo_filters.matching.prepared_shape import Descriptor, check_same_size
 from qgeo_filters.matching.regions import eigenfunction_regions
+from qgeo_filters.matching.selection.decision import Decision, decided
+from qgeo_filters.matching.selection.signatures import likeness
 from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
 from qgeo_filters.surface import Surface

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters.matching.refine import functional_map, nearest, orthogonal
+from qgeo_filters.matching.maps.functional_map import functional_map, nearest, orthogonal
 
 FloatArray = npt.NDArray[np.float64]
 IndexArray = npt.NDArray[np.int64]

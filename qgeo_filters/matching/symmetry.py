@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters.matching.candidates import candidates
-from qgeo_filters.matching.decision import decided
-from qgeo_filters.matching.descriptor import Descriptor
-from qgeo_filters.matching.finish import Finished
-from qgeo_filters.matching.involution import paired
-from qgeo_filters.matching.likeness import likeness
-from qgeo_filters.matching.orientation import orientation
-from qgeo_filters.matching.refine import nearest
+from qgeo_filters.matching.initialization.candidates import candidates
+from qgeo_filters.matching.maps.functional_map import nearest
+from qgeo_filters.matching.maps.involution import paired
+from qgeo_filters.matching.maps.orientation import orientation
+from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.selection.decision import decided
+from qgeo_filters.matching.selection.signatures import likeness
+from qgeo_filters.matching.smooth_shells import Finished
 from qgeo_filters.matching.symmetry_measure import symmetry_epsilon, symmetry_regions
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen

@@ -20,7 +20,7 @@ from qgeo_filters.report.view import View, best_view
 from qgeo_filters.surface import Surface
 
 if TYPE_CHECKING:
-    from qgeo_filters.geodesics.paths import GeodesicPath
+    from qgeo_filters.geodesics.path.paths import GeodesicPath
 
 _ROWS = 700  # as many as the picture has pixels
 

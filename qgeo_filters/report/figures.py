@@ -20,7 +20,7 @@ from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_index
 
 if TYPE_CHECKING:
-    from qgeo_filters.geodesics.paths import GeodesicPath
+    from qgeo_filters.geodesics.path.paths import GeodesicPath
     from qgeo_filters.spectral.distance_spectrum import Spectrum
 
 __all__ = [

@@ -11,8 +11,8 @@ from scipy.sparse.linalg import LinearOperator
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric, cartesian_metric
+from qgeo_filters.spectral.biharmonic import biharmonic_interpolation
 from qgeo_filters.spectral.distance_spectrum import Spectrum, Weights, check_areas, check_count, spectrum_of_matrix
-from qgeo_filters.spectral.interpolation import biharmonic_interpolation
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_index, checked_indices
 

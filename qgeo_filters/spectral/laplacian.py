@@ -7,8 +7,8 @@ import robust_laplacian
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, splu
 
+from qgeo_filters.spectral.deflated_lanczos import largest_eigenpairs
 from qgeo_filters.spectral.distance_spectrum import Spectrum, check_areas, check_count
-from qgeo_filters.spectral.eigensolver import largest_eigenpairs
 from qgeo_filters.surface import Surface
 
 # Shift below zero, in units of 1 / area: the first eigenvalue is 0 and the next is of the order of 10.

@@ -13,7 +13,7 @@ from shapes import blob, fan, grid, icosphere
 from typer.testing import CliRunner, Result
 
 from qgeo_filters.cli import app
-from qgeo_filters.interop.files import write_surface
+from qgeo_filters.io.formats import write_surface
 from qgeo_filters.report import panels
 from qgeo_filters.surface import Surface
 

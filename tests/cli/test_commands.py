@@ -12,7 +12,7 @@ import pytest
 from typer.testing import Result
 
 import qgeo_filters as qg
-from qgeo_filters.geodesics.paths import quasi_geodesic
+from qgeo_filters.geodesics.path.paths import quasi_geodesic
 
 Qgeo = Callable[..., Result]
 Loaded = Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]

@@ -11,7 +11,7 @@ import pytest
 from typer.testing import Result
 
 import qgeo_filters as qg
-from qgeo_filters.deformation.compatibility import compatibility
+from qgeo_filters.matching.compatibility import compatibility
 
 Qgeo = Callable[..., Result]
 Loaded = Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]

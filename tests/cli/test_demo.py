@@ -15,8 +15,8 @@ from typer.testing import Result
 import qgeo_filters as qg
 from qgeo_filters.cli.demo import cow, errors_against_exact
 from qgeo_filters.filters import stages
-from qgeo_filters.matching import descriptor
-from qgeo_filters.matching.descriptor import METRIC_WEIGHTS
+from qgeo_filters.matching import prepared_shape
+from qgeo_filters.matching.prepared_shape import METRIC_WEIGHTS
 
 Loaded = Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]
 
@@ -25,7 +25,7 @@ def test_demo(qgeo: Callable[..., Result], loaded: Loaded, monkeypatch: pytest.M
     pytest.importorskip("pymeshlab")
     weights = []
     true = stages.distance_matrix
-    for module in (stages, descriptor):  # where matrices are asked for
+    for module in (stages, prepared_shape):  # where matrices are asked for
         monkeypatch.setattr(
             module, "distance_matrix", lambda *args, **kwargs: weights.append(args[1].weight) or true(*args, **kwargs)
         )

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from typer.testing import Result
 
 import qgeo_filters as qg
-from qgeo_filters.evaluation import measure
+from qgeo_filters.evaluation import runner
 from qgeo_filters.matching.correspondence import match
 
 Qgeo = Callable[..., Result]
@@ -110,7 +110,7 @@ def test_an_interrupted_run_goes_on(qgeo: Qgeo, loaded: Loaded, dataset: Path, m
             raise KeyboardInterrupt
         return match(*args)
 
-    monkeypatch.setattr(measure, "match", counted)
+    monkeypatch.setattr(runner, "match", counted)
     command = ("evaluate", "tosca", "--root", dataset, "--no-pictures")
     assert qgeo(*command).exit_code == 130
     assert [file.name for file in Path("qgeo-out/pairs").iterdir()] == ["egg0-egg1.npz"]
@@ -137,7 +137,7 @@ def test_results_of_other_shapes_or_code_are_not_taken(
         shape.with_vertices(1.5 * shape.vertices).write(mesh)
     assert "earlier run" not in qgeo(*command).stderr
     assert "1 of 1 results" in qgeo(*command).stderr
-    monkeypatch.setattr(measure, "_code", lambda: "another version")
+    monkeypatch.setattr(runner, "_code", lambda: "another version")
     assert "earlier run" not in qgeo(*command).stderr
     file.write_bytes(b"PK not an archive")
     assert "earlier run" not in qgeo(*command).stderr

@@ -10,7 +10,7 @@ from scipy.spatial import ConvexHull, Delaunay
 
 from qgeo_filters import Surface
 from qgeo_filters.geodesics.matrix import distances
-from qgeo_filters.geodesics.paths import quasi_geodesic
+from qgeo_filters.geodesics.path.paths import quasi_geodesic
 
 
 @st.composite

@@ -11,8 +11,8 @@ from scipy.spatial import Delaunay
 
 from qgeo_filters import Surface
 from qgeo_filters.errors import MeshError, NonManifoldError
-from qgeo_filters.geodesics.exact import exact_distances
 from qgeo_filters.geodesics.metric import IntrinsicMesh, cartesian_metric
+from qgeo_filters.geodesics.mmp.exact import exact_distances
 from qgeo_filters.geodesics.unfolding import apexes, vertex_angles
 
 # Sums of a few hundred rounded terms.

@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
 from qgeo_filters.errors import MeshError, NonManifoldError
-from qgeo_filters.geodesics.graph import geodesic_graph
+from qgeo_filters.geodesics.dgg.construction import look_from
+from qgeo_filters.geodesics.dgg.graph import geodesic_graph
 from qgeo_filters.geodesics.layout import layout_of
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
 from qgeo_filters.geodesics.metric import cartesian_metric
-from qgeo_filters.geodesics.windows import look_from
 from qgeo_filters.surface import Surface
 
 BELOW = -1e-9  # pygeodesic's own rounding; the graph's lengths are rounded up
@@ -225,7 +225,7 @@ def test_arguments_are_checked() -> None:
 
 
 def test_graph_is_kept_and_let_go() -> None:
-    from qgeo_filters.geodesics.graph import _kept, graph_of
+    from qgeo_filters.geodesics.dgg.graph import _kept, graph_of
 
     surface = Surface(*shapes.blob(2))
     before = len(_kept)

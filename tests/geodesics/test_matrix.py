@@ -17,7 +17,7 @@ from graph_cases import exact_rows, relative_error
 from qgeo_filters.errors import DisconnectedError
 from qgeo_filters.geodesics import matrix as matrix_module
 from qgeo_filters.geodesics import storage
-from qgeo_filters.geodesics.graph import GeodesicGraph
+from qgeo_filters.geodesics.dgg.graph import GeodesicGraph
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
 from qgeo_filters.geodesics.operator import DistanceOperator
 from qgeo_filters.geodesics.warmup import warmup

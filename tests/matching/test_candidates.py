@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from shapes import icosphere
 
-from qgeo_filters.matching.candidates import Candidate, between, candidates, mapped_points
 from qgeo_filters.matching.correspondence import _twin
-from qgeo_filters.matching.descriptor import Descriptor
-from qgeo_filters.matching.orientation import orientation
+from qgeo_filters.matching.initialization.candidates import Candidate, between, candidates, mapped_points
+from qgeo_filters.matching.maps.orientation import orientation
+from qgeo_filters.matching.prepared_shape import Descriptor
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.surface import Surface
 

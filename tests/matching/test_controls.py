@@ -13,7 +13,7 @@ from shapes import blob, icosphere, torus
 
 from qgeo_filters.evaluation.errors import geodesic_error
 from qgeo_filters.matching.correspondence import match
-from qgeo_filters.matching.descriptor import Descriptor
+from qgeo_filters.matching.prepared_shape import Descriptor
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.surface import Surface
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from threadpoolctl import threadpool_info
 
 from qgeo_filters.matching.concurrency import concurrently
-from qgeo_filters.matching.distorting import point_distortions
-from qgeo_filters.matching.refine import nearest, nearest_both
+from qgeo_filters.matching.initialization.distortion import point_distortions
+from qgeo_filters.matching.maps.functional_map import nearest, nearest_both
 
 
 @settings(max_examples=25, deadline=None)

@@ -11,7 +11,7 @@ import pytest
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error, symmetric_errors
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.matching.correspondence import Correspondence, match
-from qgeo_filters.matching.descriptor import Descriptor
+from qgeo_filters.matching.prepared_shape import Descriptor
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.surface import Surface
 

@@ -1,0 +1,228 @@
+"""Errors of the package's own maps over the pairs of a data set, each pair kept as soon as it is finished."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+import zipfile
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+import qgeo_filters
+from qgeo_filters.atomic import atomic_write
+from qgeo_filters.caching import content_key
+from qgeo_filters.evaluation.datasets import Dataset, PointMap
+from qgeo_filters.evaluation.errors import SymmetricErrors, geodesic_error, symmetric_errors
+from qgeo_filters.evaluation.tables import PairResult
+from qgeo_filters.geodesics.matrix import distance_matrix
+from qgeo_filters.matching.correspondence import match
+from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.symmetry import self_symmetry
+from qgeo_filters.surface import Surface
+
+What = Literal["match", "symmetry"]
+
+# Code on which a map depends.
+_FLOORS = (".", "differential", "geodesics", "spectral", "matching")
+
+
+@dataclass(frozen=True)
+class PairFailure:
+    """A pair for which no error could be measured.
+
+    Attributes
+    ----------
+    name, category : str
+        As in `PairResult`.
+    error : Exception
+        What was raised.
+    """
+
+    name: str
+    category: str
+    error: Exception
+
+    @property
+    def reason(self) -> str:
+        """The error in a line."""
+        message = " ".join(str(self.error).split())
+        return message if isinstance(self.error, (ValueError, LookupError, OSError)) else repr(self.error)
+
+
+class PairStore:
+    """Finished pairs in a folder, one file for each, whole or not there.
+
+    Parameters
+    ----------
+    folder : Path
+        Made when the first pair is saved.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.reused = 0
+
+    def load(self, name: str, category: str, key: str) -> PairResult | None:
+        """The kept result, if it is that of the same shapes, truth and code."""
+        try:
+            with np.load(self._file(name), allow_pickle=False) as kept:
+                if str(kept["key"]) != key:
+                    return None
+                errors = SymmetricErrors(kept["direct"], kept["reflected"])
+                confident, seconds = bool(kept["confident"]), float(kept["seconds"])
+                result = PairResult(name, category, errors, confident, seconds, kept["p2p"])
+        except (FileNotFoundError, KeyError, ValueError, zipfile.BadZipFile):
+            return None  # another program's file: it is replaced
+        self.reused += 1
+        return result
+
+    def save(self, result: PairResult, key: str) -> None:
+        """Keep a result, in place of an earlier one of this name."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        with atomic_write(self._file(result.name)) as file:
+            np.savez(
+                file,
+                key=key,
+                direct=result.errors.direct,
+                reflected=result.errors.reflected,
+                confident=result.confident,
+                seconds=result.seconds,
+                p2p=result.p2p,
+            )
+
+    def _file(self, name: str) -> Path:
+        return self.folder / f"{name.replace(' ', '')}.npz"
+
+
+def measured(
+    data: Dataset, pairs: Iterable[tuple[str, str]], what: What = "match", store: PairStore | None = None
+) -> Iterator[PairResult | PairFailure]:
+    """Errors of the map of each pair, one after the other; a pair that cannot be measured does not stop the rest.
+
+    Parameters
+    ----------
+    data : Dataset
+    pairs : iterable of (str, str)
+        Names of shapes; for symmetries the same name twice. Each shape is prepared once, and kept (10 kB a vertex)
+        until its last pair. Distances on Y, by which errors are measured, are kept from one pair to the next: pairs of
+        one Y should stand together (`by_target`).
+    what : {"match", "symmetry"}
+        The correspondence from the first to the second, or the symmetry of the first (of the identity, where none is
+        found).
+    store : PairStore, optional
+        Takes finished pairs, and gives those that it has.
+
+    Yields
+    ------
+    PairResult or PairFailure
+        Seconds are CPU time without what belongs to one shape alone.
+    """
+    pairs = list(pairs)
+    awaited = Counter(name for pair in pairs for name in pair)
+    shapes: dict[str, Descriptor] = {}
+    ruler = _Ruler()
+    for x, y in pairs:
+        name = f"{x} - {y}" if what == "match" else f"symmetry of {x}"
+        outcome: PairResult | PairFailure
+        try:
+            for one in (x, y):
+                if one not in shapes:
+                    shapes[one] = Descriptor(data.read(one))
+            truth = data.truth(x, y) if what == "match" else data.symmetry(x)
+            mirror = _mirror(data, y) if what == "match" else None
+            key = _key(what, shapes[x], shapes[y], truth, mirror)
+            kept = store.load(name, data.category(x), key) if store else None
+            outcome = kept or _measured(name, data.category(x), shapes[x], shapes[y], truth, mirror, what, ruler)
+            if store and not kept:
+                store.save(outcome, key)
+        except Exception as error:  # of any kind: a night's work must not end with one bad mesh
+            outcome = PairFailure(name, data.category(x), error)
+        awaited.subtract((x, y))
+        for one in {x, y}:
+            if not awaited[one]:
+                shapes.pop(one, None)
+        yield outcome
+
+
+def by_target(pairs: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
+    """The pairs with those of one target together, as `measured` likes them."""
+    pairs = list(pairs)
+    first: dict[str, int] = {}
+    for place, (_, y) in enumerate(pairs):
+        first.setdefault(y, place)
+    return sorted(pairs, key=lambda pair: first[pair[1]])
+
+
+class _Ruler:
+    """All distances on the surface that was asked for last."""
+
+    def __init__(self) -> None:
+        self._surface: Surface | None = None
+        self._matrix: npt.NDArray[np.float32] = np.zeros((0, 0), np.float32)
+
+    def __call__(self, surface: Surface) -> npt.NDArray[np.float32]:
+        if self._surface is not surface:
+            self._matrix = np.zeros((0, 0), np.float32)  # freed before the next one is made
+            self._matrix, self._surface = distance_matrix(surface), surface
+        return self._matrix
+
+
+def _measured(
+    name: str,
+    category: str,
+    x: Descriptor,
+    y: Descriptor,
+    truth: PointMap,
+    mirror: PointMap | None,
+    what: What,
+    ruler: _Ruler,
+) -> PairResult:
+    x.prepared()
+    y.prepared()
+    started = time.process_time()
+    if what == "match":
+        found = match(x, y)
+        p2p, confident = found.p2p, found.confident
+    else:
+        symmetry = self_symmetry(x)
+        p2p, confident = symmetry.nearest, symmetry.found
+    seconds = time.process_time() - started
+    image, target = p2p[truth.points], y.surface
+    matrix = ruler(target)
+    if mirror is not None:
+        errors = symmetric_errors(image, truth.images, mirror.images, target, matrix=matrix)
+    else:  # a mirrored map cannot be told from a wrong one
+        direct = geodesic_error(image, truth.images, target, matrix=matrix)
+        errors = SymmetricErrors(direct, direct)
+    return PairResult(name, category, errors, confident, seconds, p2p)
+
+
+def _mirror(data: Dataset, name: str) -> PointMap | None:
+    try:
+        return data.symmetry(name)
+    except LookupError:
+        return None
+
+
+def _key(what: What, x: Descriptor, y: Descriptor, truth: PointMap, mirror: PointMap | None) -> str:
+    shapes = [array for shape in (x.surface, y.surface) for array in (shape.vertices, shape.faces)]
+    maps = [array for one in (truth, mirror) if one for array in (one.points, one.images)]
+    return content_key(what, _code(), shapes, maps)
+
+
+@cache
+def _code() -> str:
+    """Fingerprint of the numeric code: results of another version are not taken for this one's."""
+    root = Path(qgeo_filters.__file__).parent
+    digest = hashlib.sha256()
+    for floor in _FLOORS:
+        for file in sorted((root / floor).glob("*.py")):
+            digest.update(file.read_bytes())
+    return digest.hexdigest()

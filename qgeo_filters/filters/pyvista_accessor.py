@@ -1,0 +1,79 @@
+"""``mesh.qgeo`` on every PyVista surface: found by PyVista itself through an entry point (PyVista >= 0.48).
+
+>>> import pyvista
+>>> out = pyvista.Sphere().qgeo.quasi_geodesic_spectrum(k=20)  # doctest: +SKIP
+>>> out = pyvista.Sphere().qgeo.apply(pipeline)  # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable
+from typing import Any
+
+import pyvista
+
+import qgeo_filters
+from qgeo_filters.filters.base import Filter
+from qgeo_filters.hosts.dispatch import as_surface
+from qgeo_filters.surface import Surface
+
+
+@pyvista.register_dataset_accessor("qgeo", pyvista.PolyData)
+class QgeoAccessor:
+    """The package's filters as methods of a surface, named in lower case with underscores.
+
+    Each takes the filter's parameters by name, and ``repair`` and ``progress`` as every filter's call does,
+    and returns a new PolyData with the filter's attributes in its ``point_data``.
+    """
+
+    def __init__(self, mesh: pyvista.PolyData) -> None:
+        self._mesh = mesh
+
+    @property
+    def surface(self) -> Surface:
+        """The mesh as a `Surface`, for the functions that take and give arrays."""
+        return as_surface(self._mesh)
+
+    def apply(
+        self, filter: Callable[..., pyvista.PolyData], *, repair: bool = False, progress: bool = False
+    ) -> pyvista.PolyData:
+        """New PolyData with the attributes of a filter or pipeline."""
+        return filter(self._mesh, repair=repair, progress=progress)
+
+    def __getattr__(self, name: str) -> Callable[..., pyvista.PolyData]:
+        filter_class = _filter(name)
+        if filter_class is None:
+            if name.startswith("_"):
+                raise AttributeError(name)
+            raise AttributeError(f"mesh.qgeo has no filter {name!r}; it has {', '.join(_filters())}")
+
+        def method(*, repair: bool = False, progress: bool = False, **parameters: Any) -> pyvista.PolyData:
+            return self.apply(filter_class(**parameters), repair=repair, progress=progress)
+
+        method.__name__ = name
+        method.__doc__ = inspect.getdoc(filter_class)
+        return method
+
+    def __dir__(self) -> list[str]:
+        return ["apply", "surface", *_filters()]
+
+
+def _filters() -> list[str]:
+    """Method names of all public filters."""
+    return [name for name in map(_method_name, qgeo_filters.__all__) if _filter(name) is not None]
+
+
+def _filter(name: str) -> type | None:
+    """Public filter of this method name; only its own module is loaded."""
+    for public in qgeo_filters.__all__:
+        # Functions and modules of the package are in lower case already; exceptions and results are no filters.
+        if public[0].isupper() and _method_name(public) == name and public not in ("Filter", "Pipeline"):
+            value = getattr(qgeo_filters, public)
+            return value if inspect.isclass(value) and issubclass(value, Filter) else None
+    return None
+
+
+def _method_name(class_name: str) -> str:
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", class_name).lower()

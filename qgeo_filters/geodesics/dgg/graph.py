@@ -1,0 +1,169 @@
+"""The discrete geodesic graph of a metric: near-exact distances with a bound on the error."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from weakref import WeakKeyDictionary
+
+import numpy as np
+import numpy.typing as npt
+from scipy.sparse.csgraph import connected_components, dijkstra
+
+from qgeo_filters.geodesics.dgg.bucket_order import band_order
+from qgeo_filters.geodesics.dgg.construction import look_from
+from qgeo_filters.geodesics.dgg.csr import undirected
+from qgeo_filters.geodesics.dgg.fixed_point import ROUNDING, Ticks, in_ticks
+from qgeo_filters.geodesics.dgg.label_correcting import relax, write_near, write_rows
+from qgeo_filters.geodesics.dgg.memory import release_freed_memory
+from qgeo_filters.geodesics.dgg.simd import LANES, aligned_block
+from qgeo_filters.geodesics.dgg.vertex_ordering import compact_order
+from qgeo_filters.geodesics.dijkstra import mesh_edges
+from qgeo_filters.geodesics.layout import layout_of
+from qgeo_filters.geodesics.metric import IntrinsicMesh, LiftedMetric, cartesian_metric
+from qgeo_filters.surface import Surface
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int32]
+
+# Width of a band of distance, in mean edge lengths: narrow enough for one pass to do nearly all.
+_BAND = 0.25
+# Vertices that one task looks from when the graph is built.
+_CHUNK = 128
+
+
+@dataclass(frozen=True, eq=False)
+class GeodesicGraph:
+    """Solver that keeps the graph: distances from a group of sources are then one call.
+
+    Inside, vertices are renumbered so that neighbours in number are neighbours on the surface; numbers in that
+    order are called places. The graph is undirected, so that distances are the same from either end, bit
+    for bit.
+
+    Attributes
+    ----------
+    vertex, place : (n,) int32
+        Vertex at each place, and place of each vertex.
+    start, neighbour : (n + 1,), (g,)
+        The graph in compressed rows.
+    mesh_start, mesh_neighbour, mesh_length : (n + 1,), (2E,), (2E,)
+        The edges of the mesh in compressed rows.
+    band, n_bands : float, int
+        Width and number of the bands of distance in whose order vertices are swept.
+    ticks : Ticks
+        Lengths of the graph's edges as whole numbers.
+    accuracy : float
+        Bound on the relative error.
+    """
+
+    vertex: IntArray
+    place: IntArray
+    start: npt.NDArray[np.int64]
+    neighbour: IntArray
+    mesh_start: IntArray
+    mesh_neighbour: IntArray
+    mesh_length: FloatArray
+    band: float
+    n_bands: int
+    ticks: Ticks
+    accuracy: float
+
+    @property
+    def n_vertices(self) -> int:
+        """Number of vertices, those without faces included."""
+        return len(self.vertex)
+
+    def distances_into(self, out: np.ndarray, rows: npt.NDArray[np.int64], sources: npt.NDArray[np.int64]) -> None:
+        """Distances from each source into its row of ``out`` (., n), float32 or float64.
+
+        Sources that follow each other should be close together: so are `vertex`'s.
+        """
+        n, ticks = self.n_vertices, self.ticks
+        block = aligned_block(n, ticks.length.dtype)
+        order, distance, awake = np.empty(n, np.int32), np.empty(n), np.empty(n, np.bool_)
+        head, following = np.empty(self.n_bands + 1, np.int32), np.empty(len(self.mesh_neighbour), np.int32)
+        for first in range(0, len(sources), LANES):
+            part, some = self.place[sources[first : first + LANES]], rows[first : first + LANES]
+            block.fill(ticks.unreached)
+            block[part, np.arange(len(part))] = 0
+            count = band_order(
+                self.mesh_start, self.mesh_neighbour, self.mesh_length, self.band, part,
+                order, distance, awake, head, following,
+            )  # fmt: skip
+            relax(self.start, self.neighbour, ticks.length, order[:count], block, awake)
+            write_rows(block, ticks.unreached, self.place, ticks.tick, out, some)
+            write_near(ticks.near_start, ticks.near, ticks.near_length, self.vertex, part, out, some)
+
+
+def geodesic_graph(mesh: IntrinsicMesh, accuracy: float = 1e-3, *, workers: int = 1) -> GeodesicGraph:
+    """Graph whose shortest paths are never below the geodesic distances and at most ``accuracy`` above, relatively.
+
+    Parameters
+    ----------
+    mesh : IntrinsicMesh
+    accuracy : float
+        Bound on the relative error, from 1e-6 to 0.1. The mean error is about a tenth of it; the number of
+        edges grows as ``accuracy ** -0.5``.
+    workers : int
+        Threads.
+
+    Raises
+    ------
+    ValueError
+        If the accuracy is out of range.
+    """
+    if not 1e-6 <= accuracy <= 0.1:
+        raise ValueError(f"accuracy is a relative error from 1e-6 to 0.1, got {accuracy}")
+    edges = mesh_edges(mesh)
+    _, piece = connected_components(edges, directed=False)
+    one_of_each = np.unique(piece, return_index=True)[1]
+    # The graph holds every edge of the mesh, so that no shortest path in it is longer than this.
+    bound = 2.0 * float(dijkstra(edges, indices=one_of_each, min_only=True).max())
+    vertex = compact_order(edges.indptr, edges.indices, LANES)
+    place = np.empty_like(vertex)
+    place[vertex] = np.arange(len(vertex), dtype=vertex.dtype)
+    mesh_rows = edges[vertex][:, vertex]
+    # The error of many steps is eps + eps^2, that of rounding to ticks comes on top.
+    epsilon = accuracy * (1 - 3 * ROUNDING) / (1 + accuracy)
+    counts, ends, lengths = _look(mesh, vertex, epsilon, bound, workers)
+    leaving = np.concatenate([[0], np.cumsum(counts)])
+    ends = place[ends]
+    ticks = in_ticks(leaving, ends, lengths, bound, accuracy)
+    del lengths  # the graph is large until it is joined
+    start, neighbour, length = undirected(leaving, ends, ticks.length)
+    ticks = ticks._replace(length=length)
+    band = max(_BAND * float(mesh_rows.data.mean()), bound / (4 * len(vertex))) or 1.0
+    n_bands = int(bound / band) + 1
+    return GeodesicGraph(
+        vertex, place, start, neighbour,
+        mesh_rows.indptr, mesh_rows.indices, mesh_rows.data, band, n_bands, ticks, accuracy,
+    )  # fmt: skip
+
+
+# The last graph of each metric, or of each surface for its own metric: both are immutable.
+_kept: WeakKeyDictionary[LiftedMetric | Surface, GeodesicGraph] = WeakKeyDictionary()
+
+
+def graph_of(surface: Surface, metric: LiftedMetric | None, accuracy: float, workers: int) -> GeodesicGraph:
+    """Graph of a metric, None for the surface's own, kept for as long as the metric or surface lives."""
+    key = surface if metric is None else metric
+    graph = _kept.get(key)
+    if graph is None or graph.accuracy != accuracy:
+        mesh = (metric if metric is not None else cartesian_metric(surface)).intrinsic()
+        graph = _kept[key] = geodesic_graph(mesh, accuracy, workers=workers)
+        release_freed_memory()
+    return graph
+
+
+def _look(
+    mesh: IntrinsicMesh, vertex: IntArray, epsilon: float, limit: float, workers: int
+) -> tuple[npt.NDArray[np.int64], IntArray, FloatArray]:
+    """Directed edges of the graph: how many leave each vertex in this order, where they end, their lengths."""
+    layout = layout_of(mesh)
+
+    def task(first: int) -> tuple[npt.NDArray[np.int64], IntArray, FloatArray]:
+        return look_from(*layout, vertex[first : first + _CHUNK], epsilon, limit)
+
+    with ThreadPoolExecutor(workers) as pool:
+        counts, ends, lengths = zip(*pool.map(task, range(0, len(vertex), _CHUNK)), strict=True)
+    return np.concatenate(counts), np.concatenate(ends), np.concatenate(lengths)

@@ -1,0 +1,36 @@
+"""Trimesh objects: vertex attributes both ways."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.errors import MeshError
+from qgeo_filters.io.raw_mesh import RawMesh
+
+
+def read(mesh: Any, repair: bool) -> RawMesh:
+    """Arrays of a Trimesh; its ``vertex_attributes`` are the attributes."""
+    if not hasattr(mesh, "faces"):
+        raise MeshError(
+            f"a trimesh {type(mesh).__qualname__} is no mesh: pass scene.to_mesh(), or one of its geometries"
+        )
+    attributes = {name: np.asarray(values) for name, values in mesh.vertex_attributes.items()}
+    return RawMesh(np.asarray(mesh.vertices), np.asarray(mesh.faces), attributes)
+
+
+def write(mesh: Any, attributes: Mapping[str, np.ndarray]) -> Any:
+    """Copy of the mesh with arrays added to its ``vertex_attributes``."""
+    copy = mesh.copy()
+    copy.vertex_attributes.update({name: values.copy() for name, values in attributes.items()})
+    return copy
+
+
+def pose(mesh: Any, vertices: npt.NDArray[np.float64]) -> Any:
+    """Copy of the mesh at other positions."""
+    copy = mesh.copy()
+    copy.vertices = vertices
+    return copy

@@ -1,0 +1,74 @@
+"""STL and GLB, which repeat a vertex for every face or seam: equal positions become one vertex."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from qgeo_filters.atomic import atomic_write
+from qgeo_filters.errors import MeshError, require_package
+from qgeo_filters.io.raw_mesh import RawMesh, weld
+from qgeo_filters.surface import Surface
+
+_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def read_stl(path: Path, repair: bool) -> RawMesh:
+    """Arrays of an STL file, binary or ascii."""
+    content = path.read_bytes()
+    count = int.from_bytes(content[80:84], "little")
+    if len(content) == 84 + count * _FACET.itemsize:
+        corners = np.frombuffer(content, _FACET, count, offset=84)["corners"].reshape(-1, 3).astype(np.float64)
+    elif content.lstrip()[:5].lower() == b"solid":
+        corners = _ascii_corners(content.decode("ascii", errors="replace"))
+    else:
+        raise MeshError(
+            f"not an STL file: {len(content)} bytes, where {count} announced triangles take "
+            f"{84 + count * _FACET.itemsize}"
+        )
+    points, index = weld(corners)
+    return RawMesh(points, index.reshape(-1, 3))
+
+
+def write_stl(path: Path, surface: Surface) -> None:
+    """Write as binary STL, in float32, which is all that it holds."""
+    facets = np.zeros(surface.n_faces, _FACET)
+    facets["normal"] = surface.face_normals
+    facets["corners"] = surface.vertices[surface.faces]
+    with atomic_write(path) as file:
+        file.write(b"qgeo-filters".ljust(80) + np.uint32(surface.n_faces).tobytes() + facets.tobytes())
+
+
+def read_glb(path: Path, repair: bool) -> RawMesh:
+    """Arrays of all triangle meshes of a glTF scene, placed as the scene places them."""
+    trimesh = require_package("trimesh", "trimesh", f"reading {path.name}")
+    try:
+        scene = trimesh.load_scene(path, process=False)
+        mesh = scene.to_mesh()
+    except Exception as error:  # the reader raises whatever the damage happens to trigger
+        raise MeshError(f"not a readable glTF file ({error or type(error).__name__})") from error
+    if len(mesh.faces) == 0:
+        raise MeshError("the scene has no triangles")
+    points, index = weld(np.asarray(mesh.vertices, dtype=np.float64))
+    return RawMesh(points, index[np.asarray(mesh.faces)])
+
+
+def write_glb(path: Path, surface: Surface) -> None:
+    """Write as binary glTF, in float32."""
+    trimesh = require_package("trimesh", "trimesh", f"writing {path.name}")
+    mesh = trimesh.Trimesh(surface.vertices, surface.faces, process=False, validate=False)
+    with atomic_write(path) as file:
+        file.write(mesh.export(file_type="glb"))
+
+
+def _ascii_corners(text: str) -> np.ndarray:
+    words = re.findall(r"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)\s*$", text, re.MULTILINE | re.IGNORECASE)
+    try:
+        corners = np.array(words, dtype=np.float64).reshape(-1, 3)
+    except ValueError as error:
+        raise MeshError(f"a vertex of the STL file is no point ({error})") from error
+    if len(corners) == 0 or len(corners) % 3:
+        raise MeshError(f"{len(corners)} corners found in the STL file, which make no triangles")
+    return corners

@@ -1,0 +1,202 @@
+r"""Whether the poses of a shape are spectrally compatible: D(S), eq. (5) of the paper.
+
+The paper optimises the eigenspectra of two baseline poses against each other (eq. 4), carries the result to all others
+(Fig. 3), and sums up in D(S) how far the set S of poses is from sharing one eigenspectrum. Two readings are taken here:
+
+* *Carried* means: the baselines fix which eigenfunctions take part and in what order; each other pose gives, for
+  each of them, the eigenfunction and sign that couple best with those of both baselines. No pose is optimised against
+  any but the baselines.
+* The printed sum has no unit and grows with the number of poses. Here D(S) is the mean of
+  :math:`C_{XY} = \sum_k \|\phi_X^k - \phi_Y^k\|_2` over all pairs of poses, all functions being read on the vertices
+  of the first baseline. So D(S) of different sets can be compared, and is 0 if the poses are isometric.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import linear_sum_assignment
+
+from qgeo_filters.geodesics.lifting import lifted_metric
+from qgeo_filters.spectral.commutative import Normalization, commutative_eigenspectra, spectral_distance
+from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum
+from qgeo_filters.surface import Surface
+from qgeo_filters.validation import checked_indices, frozen
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+# Eigenpairs beyond those that are compared, so that a function near the end finds its partner in other poses.
+_SPARE = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Compatibility:
+    """How far a set of poses is from having one eigenspectrum.
+
+    Attributes
+    ----------
+    d_s : float
+        D(S): mean of ``c_xy`` over all pairs of poses. 0 for isometric poses.
+    c_xy : (p, p) float64
+        Distance of each two poses by their carried eigenfunctions; symmetric, zero diagonal.
+    index : (p, m) int64
+        Which eigenfunction of each pose stands for each of the m common ones.
+    signs : (p, m) float64
+        1 or -1 for each of them.
+    eigenvalues : (p, m) float64
+        Of each pose, in the common order.
+    baselines : (int, int)
+    maps : tuple of (n,) int64
+        Vertex of each pose for each vertex of the first baseline.
+    """
+
+    d_s: float
+    c_xy: FloatArray
+    index: IntArray
+    signs: FloatArray
+    eigenvalues: FloatArray
+    baselines: tuple[int, int]
+    maps: tuple[IntArray, ...]
+
+
+def compatibility(
+    surfaces: Sequence[Surface],
+    baselines: tuple[int, int] = (0, 1),
+    *,
+    k: int = 20,
+    weight: float | None = None,
+    maps: Sequence[npt.ArrayLike] | None = None,
+    normalization: Normalization = "area",
+    progress: bool = False,
+) -> Compatibility:
+    """Compatibility of the eigenspectra of a set of poses, D(S) (paper, eq. 5).
+
+    Parameters
+    ----------
+    surfaces : sequence of Surface
+        Two poses or more.
+    baselines : (int, int)
+        Indices of the two poses whose eigenspectra are optimised against each other.
+    k : int
+        Number of eigenfunctions that are compared.
+    weight : float, optional
+        Of the curvature scalar in the metric, see `lifted_metric`, whose default it is; 0 is the Cartesian metric.
+    maps : sequence of array-like of int, optional
+        For each pose, its vertex for each vertex of the first baseline. By default vertex i is the same point of all
+        poses if they have the same faces (poses of one mesh, as in the paper); the maps are found by `match` if not.
+    normalization : {"area", "vertices"}
+        Of C_XY, see `spectral_distance`.
+    progress : bool
+        Whether to show progress bars over distances.
+
+    Raises
+    ------
+    ValueError
+        Fewer than two poses, baselines out of range or equal, maps that do not fit, k out of range.
+    MeshError
+        See `distance_spectrum` and `match`.
+    """
+    poses = list(surfaces)
+    _check_baselines(len(poses), baselines)
+    given = _default_maps(poses, baselines[0], progress) if maps is None else maps
+    spectra = []
+    for pose in poses:
+        metric = lifted_metric(pose) if weight is None else lifted_metric(pose, weight=weight)
+        count = min(k + _SPARE, pose.n_vertices) if isinstance(k, (int, np.integer)) else k
+        spectra.append(distance_spectrum(pose, count, metric, progress=progress))
+    return compatibility_of_spectra(spectra, given, baselines, k=k, normalization=normalization)
+
+
+def compatibility_of_spectra(
+    spectra: Sequence[Spectrum],
+    maps: Sequence[npt.ArrayLike],
+    baselines: tuple[int, int] = (0, 1),
+    *,
+    k: int = 20,
+    normalization: Normalization = "area",
+) -> Compatibility:
+    """Compatibility of eigenspectra that are at hand; parameters as in `compatibility`.
+
+    A few eigenpairs more than k in each spectrum let functions near the end find their partners.
+    """
+    _check_baselines(len(spectra), baselines)
+    first, second = baselines
+    images = _checked_maps(spectra, maps, first)
+    weights = spectra[first].areas / spectra[first].areas.sum()
+    read = [
+        spectrum.eigenfunctions[image] * np.sqrt(spectrum.areas.sum())
+        for spectrum, image in zip(spectra, images, strict=True)
+    ]
+    pair = commutative_eigenspectra(spectra[first], _on_first(spectra, read, first, second), np.arange(len(weights)), k)
+    index = np.empty((len(spectra), k), dtype=np.int64)
+    signs = np.ones((len(spectra), k))
+    index[first], index[second], signs[second] = pair.index_x, pair.index_y, pair.signs
+    common = pair.functions_x + pair.functions_y
+    for pose in range(len(spectra)):
+        if pose not in baselines:
+            products = common.T @ (weights[:, None] * read[pose])
+            _, index[pose] = linear_sum_assignment(products**2, maximize=True)
+            signs[pose] = np.where(products[np.arange(k), index[pose]] < 0, -1.0, 1.0)
+    carried = [functions[:, chosen] * sign for functions, chosen, sign in zip(read, index, signs, strict=True)]
+    c_xy = np.zeros((len(spectra), len(spectra)))
+    for i, j in itertools.combinations(range(len(spectra)), 2):
+        c_xy[i, j] = c_xy[j, i] = spectral_distance(carried[i], carried[j], weights, normalization)
+    return Compatibility(
+        float(c_xy[np.triu_indices(len(spectra), 1)].mean()),
+        frozen(c_xy),
+        frozen(index),
+        frozen(signs),
+        frozen(np.array([spectrum.eigenvalues[chosen] for spectrum, chosen in zip(spectra, index, strict=True)])),
+        (int(first), int(second)),
+        tuple(frozen(image) for image in images),
+    )
+
+
+def _on_first(spectra: Sequence[Spectrum], read: list[FloatArray], first: int, second: int) -> Spectrum:
+    """The second baseline's eigenfunctions on the vertices of the first."""
+    areas = spectra[first].areas
+    functions = read[second] / np.sqrt(areas.sum())
+    return Spectrum(spectra[second].eigenvalues, functions, areas, spectra[second].multiplets)
+
+
+def _default_maps(poses: list[Surface], first: int, progress: bool) -> list[IntArray]:
+    """Equal indices for poses of one mesh, otherwise the correspondences from the first baseline."""
+    faces = poses[first].faces
+    n = poses[first].n_vertices
+    if all(pose.n_vertices == n and np.array_equal(pose.faces, faces) for pose in poses):
+        return [np.arange(n)] * len(poses)
+    from qgeo_filters.matching.correspondence import match
+    from qgeo_filters.matching.prepared_shape import Descriptor
+
+    reference = Descriptor(poses[first], progress=progress)
+    return [
+        np.arange(n) if number == first else match(reference, pose, progress=progress).p2p
+        for number, pose in enumerate(poses)
+    ]
+
+
+def _check_baselines(count: int, baselines: tuple[int, int]) -> None:
+    if count < 2:
+        raise ValueError(f"compatibility is that of two poses or more, got {count}")
+    if len(baselines) != 2 or baselines[0] == baselines[1] or not all(0 <= b < count for b in baselines):
+        raise ValueError(f"baselines must be two different poses out of 0 to {count - 1}, got {baselines!r}")
+
+
+def _checked_maps(spectra: Sequence[Spectrum], maps: Sequence[npt.ArrayLike], first: int) -> list[IntArray]:
+    if len(maps) != len(spectra):
+        raise ValueError(f"one map for each of the {len(spectra)} poses is needed, got {len(maps)}")
+    n = spectra[first].n_vertices
+    images = []
+    for number, (spectrum, image) in enumerate(zip(spectra, maps, strict=True)):
+        checked = checked_indices(image, spectrum.n_vertices, f"maps[{number}]")
+        if len(checked) != n:
+            raise ValueError(
+                f"maps[{number}] must hold a vertex for each of the {n} of the first baseline, got {len(checked)}"
+            )
+        images.append(checked)
+    return images

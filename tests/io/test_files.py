@@ -1,0 +1,313 @@
+"""Files of every format, both ways, and what broken ones say."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+from host_meshes import ATTRIBUTES
+from shapes import blob, icosphere
+
+from qgeo_filters.errors import MeshError
+from qgeo_filters.io.formats import read_raw, read_surface, write_surface
+from qgeo_filters.surface import Surface
+
+V, F = blob(1)
+SURFACE = Surface(V * np.pi, F)
+SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+
+
+def wrote(tmp_path, name, text):
+    file = tmp_path / name
+    file.write_text(text)
+    return file
+
+
+# -- round trips --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".off", ".obj", ".vert", ".tri", ".mat"])
+def test_round_trip_is_exact(tmp_path, suffix):
+    file = tmp_path / f"shape{suffix}"
+    SURFACE.write(file)
+    back = Surface.read(file)
+    np.testing.assert_array_equal(back.vertices, SURFACE.vertices)
+    np.testing.assert_array_equal(back.faces, SURFACE.faces)
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".glb"])
+def test_round_trip_in_single_precision(tmp_path, suffix):
+    pytest.importorskip("trimesh")
+    file = tmp_path / f"shape{suffix}"
+    SURFACE.write(file)
+    back = Surface.read(file)
+    single = SURFACE.vertices.astype(np.float32)
+    np.testing.assert_array_equal(back.vertices[back.faces], single[SURFACE.faces])
+    assert back.n_vertices == SURFACE.n_vertices  # welded
+    assert back.genus == 0
+
+
+def test_both_files_of_a_pair_are_written_and_any_name_reads_them(tmp_path):
+    SURFACE.write(tmp_path / "shape.vert")
+    assert {file.name for file in tmp_path.iterdir()} == {"shape.vert", "shape.tri"}
+    assert (tmp_path / "shape.tri").read_text().split()[:3] == [str(i + 1) for i in F[0]]
+    for name in ("shape.vert", "shape.tri", "shape"):
+        np.testing.assert_array_equal(read_surface(tmp_path / name).faces, F)
+
+
+@pytest.mark.parametrize("suffix", [".off", ".obj", ".stl", ".vert", ".mat", ".glb"])
+def test_attributes_are_dropped_aloud(tmp_path, suffix):
+    pytest.importorskip("trimesh")
+    surface = SURFACE.with_attributes({"b": V, "a": V})
+    with pytest.warns(UserWarning, match=rf"{suffix} holds no attributes, dropped: 'a', 'b' \(write .ply\)"):
+        surface.write(tmp_path / f"shape{suffix}")
+
+
+def test_suffixes_may_be_in_capitals(tmp_path):
+    SURFACE.write(tmp_path / "shape.OFF")
+    assert read_surface(str(tmp_path / "shape.OFF")).n_faces == SURFACE.n_faces
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".off", ".obj", ".stl", ".mat", ".vert"])
+def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, suffix, monkeypatch):
+    file = tmp_path / f"shape{suffix}"
+    SURFACE.write(file)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+
+    def fail(*args):
+        raise OSError("disk full")
+
+    monkeypatch.setattr(os, "replace", fail)
+    with pytest.raises(OSError, match="disk full"):
+        Surface(2 * V, F).write(file)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_writing_into_no_folder_names_it(tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"cannot write .*nowhere is not a folder"):
+        SURFACE.write(tmp_path / "nowhere" / "shape.ply")
+
+
+# -- files of others ----------------------------------------------------------------------------------
+
+
+def test_off_dialects(tmp_path):
+    plain = "0 0 0\n1 0 0\n0 1 0\n"
+    for name, text in {
+        "counts on the first line": f"OFF 3 1 0\n{plain}3 0 1 2\n",
+        "comments and empty lines": "OFF # a\n\n# b\n3 1 0\n0 0 0 # c\n\n1 0 0\n0 1 0\n3 0 1 2\n",
+        "face colours": f"OFF\n3 1 3\n{plain}3 0 1 2 255 0 0\n",
+        "vertex colours": "COFF\n3 1 0\n0 0 0 1 0 0 1\n1 0 0 1 0 0 1\n0 1 0 1 0 0 1\n3 0 1 2\n",
+        "vertex normals": "NOFF\n3 1 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n",
+        "windows": f"OFF\r\n3 1 0\r\n{plain}3 0 1 2\r\n",
+        "exponents": "OFF\n3 1 0\n0e0 0 0\n1.0E+0 0 0\n.0 1. 0\n3 0 1 2\n",
+    }.items():
+        surface = read_surface(wrote(tmp_path, "a.off", text))
+        np.testing.assert_array_equal(surface.vertices, [[0, 0, 0], [1, 0, 0], [0, 1, 0]], err_msg=name)
+        np.testing.assert_array_equal(surface.faces, [[0, 1, 2]], err_msg=name)
+
+
+def test_obj_dialects(tmp_path):
+    texture = "mtllib a.mtl\nvt 0 0\nvt 1 0\nvn 0 0 1\ng part\nusemtl x\ns off\n"
+    for name, text in {
+        "plain": SQUARE + "f 1 2 3\nf 1 3 4\n",
+        "seams do not split vertices": SQUARE + texture + "f 1/1/1 2/2/1 3/1/1\nf 1/2/1 3/2/1 4/1/1\n",
+        "normals alone": SQUARE + texture + "f 1//1 2//1 3//1\no other\nf 1//1 3//1 4//1\n",
+        "counted from the end": SQUARE + "f -4 -3 -2\nf -4 -2 -1\n",
+        "colours after the position": SQUARE.replace("\n", " .1 .2 .3\n") + "f 1 2 3\nf 1 3 4\n",
+        "continued lines": SQUARE + "f 1 2 \\\n3\nf \\\n1 3 4\n",
+        "comments and tabs": "# a\n" + SQUARE.replace("v ", "v\t") + "f 1 2 3 # b\nf\t1 3 4\nl 1 2\n",
+    }.items():
+        surface = read_surface(wrote(tmp_path, "a.obj", text))
+        np.testing.assert_array_equal(surface.vertices, [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], err_msg=name)
+        np.testing.assert_array_equal(surface.faces, [[0, 1, 2], [0, 2, 3]], err_msg=name)
+
+
+def test_ascii_stl_is_welded(tmp_path):
+    text = "solid x\n" + "facet normal 0 0 1\n outer loop\n{}\n endloop\nendfacet\n" * 2 + "endsolid x\n"
+    first, second = ("vertex 0 0 0\nvertex 1 0 0\nVERTEX 1 1 0", "vertex -0 0 0\nvertex 1e0 1 0\nvertex 0 1 0")
+    surface = read_surface(wrote(tmp_path, "a.stl", text.format(first, second)))
+    np.testing.assert_array_equal(surface.vertices, [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    np.testing.assert_array_equal(surface.faces, [[0, 1, 2], [0, 2, 3]])
+
+
+def test_binary_stl_that_begins_like_an_ascii_one(tmp_path):
+    file = tmp_path / "a.stl"
+    SURFACE.write(file)
+    file.write_bytes(b"solid" + file.read_bytes()[5:])
+    assert read_surface(file).n_faces == SURFACE.n_faces
+
+
+def test_glb_scene_is_placed_and_joined(tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    v, f = icosphere(1)
+    scene = trimesh.Scene()
+    scene.add_geometry(trimesh.Trimesh(v, f, process=False), node_name="a")
+    scene.add_geometry(
+        trimesh.Trimesh(v, f, process=False),
+        node_name="b",
+        transform=trimesh.transformations.scale_matrix(2, [9, 0, 0]),
+    )
+    (tmp_path / "a.glb").write_bytes(scene.export(file_type="glb"))
+    surface = read_surface(tmp_path / "a.glb")
+    assert surface.components[0] == 2
+    assert surface.area == pytest.approx(5 * Surface(v, f).area, rel=1e-6)
+
+
+@pytest.mark.parametrize("form", ["struct", "struct with VERT", "variables"])
+def test_mat_forms(tmp_path, form):
+    import scipy.io
+
+    x, y, z = V.T[:, :, None]
+    fields = {"TRIV": F + 1.0, **({"VERT": V} if "VERT" in form else {"X": x, "Y": y, "Z": z})}
+    scipy.io.savemat(tmp_path / "a.mat", fields if form == "variables" else {"shape": fields})
+    surface = read_surface(tmp_path / "a.mat")
+    np.testing.assert_array_equal(surface.vertices, V)
+    np.testing.assert_array_equal(surface.faces, F)
+
+
+# -- what broken files say ----------------------------------------------------------------------------
+
+BROKEN = {
+    "nothing.off": ("", "not an OFF file"),
+    "text.off": ("hello\n", "not an OFF file: the first line must be OFF"),
+    "binary.off": ("OFF BINARY\n", "OFF files of kind OFF BINARY are not read"),
+    "counts.off": ("OFF\nthree\n", "the counts of vertices and faces are missing, found 'three'"),
+    "short.off": ("OFF\n3 1 0\n0 0 0\n1 0 0\n", "3 vertices and 1 faces announced, but only 2 lines follow"),
+    "word.off": ("OFF\n3 1 0\n0 0 0\n1 x 0\n0 1 0\n3 0 1 2\n", "line 4 is no vertex: '1 x 0'"),
+    "two.off": ("OFF\n3 1 0\n0 0 0\n1 0\n0 1 0\n3 0 1 2\n", "line 4 is no vertex: '1 0'"),
+    "face.off": ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n", "line 6 is no face: '3 0 1'"),
+    "float.off": ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2.5\n", "line 6 is no face"),
+    "range.off": ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", r"faces\[0\] refers to vertex 3, but there are 3"),
+    "nan.off": ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 nan 0\n3 0 1 2\n", r"vertices\[2\] is .*nan"),
+    "polygon.off": ("OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n3 0 1 2\n", "face 0 has 4 corners"),
+    "edge.off": ("OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n2 0 1\n", "face 1 has 2 corners"),
+    "nothing.obj": ("# empty\n", "no vertices"),
+    "points.obj": (SQUARE, "the mesh has no faces"),
+    "word.obj": ("v 0 0 0\nv 1 zz 0\n", "line 2 is no vertex: 'v 1 zz 0'"),
+    "face.obj": (SQUARE + "f 1 2 x\n", "line 5 is no face: 'f 1 2 x'"),
+    "zero.obj": (SQUARE + "f 0 1 2\n", "line 5 refers to vertex 0, but OBJ counts from 1: 'f 0 1 2'"),
+    "range.obj": (SQUARE + "f 1 2 9\n", r"faces\[0\] refers to vertex 8, but there are 4 vertices"),
+    "before.obj": (SQUARE + "f -9 2 3\n", r"faces\[0\] refers to vertex -5"),
+    "polygon.obj": (SQUARE + "f 1 2 3\nf 1 2 3 4\n", r"face 1 has 4 corners \(1 of 2 faces are polygons"),
+    "nothing.stl": ("", "not an STL file: 0 bytes"),
+    "text.stl": ("hello", "not an STL file"),
+    "half.stl": ("solid\nvertex 0 0 0\nvertex 1 0 0\n", "2 corners found in the STL file, which make no triangles"),
+    "word.stl": ("solid\nvertex 0 0 x\n", "a vertex of the STL file is no point"),
+    "nothing.glb": ("", "not a readable glTF file"),
+    "nothing.mat": ("", "not a readable MATLAB file"),
+    "nothing.ply": ("", "not a readable PLY file"),
+    "alone.vert": ("0 0 0\n", "alone.tri is missing beside it"),
+    "alone.tri": ("1 2 3\n", "alone.vert is missing beside it"),
+    "mesh.xyz": ("", r"unknown suffix '.xyz'; read are .ply, .off"),
+    "mesh": ("", r"unknown suffix ''; read are .ply, .off"),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_broken_files_are_named_with_the_reason_on_one_line(tmp_path, name, capfd):
+    text, message = BROKEN[name]
+    if name.endswith(".glb"):
+        pytest.importorskip("trimesh")
+    file = wrote(tmp_path, name, text)
+    with pytest.raises(MeshError, match=message) as caught:
+        read_surface(file)
+    assert str(caught.value).startswith(f"{file}: ")
+    assert "\n" not in str(caught.value)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_broken_tables(tmp_path):
+    wrote(tmp_path, "a.vert", "0 0 0\n1 0 0\n0 1 0\n")
+    for text, message in (
+        ("", "a.tri is empty"),
+        ("1 2\n", "a.tri has 2 columns, expected 3"),
+        ("1 2 x\n", "a.tri is no table of numbers"),
+    ):
+        wrote(tmp_path, "a.tri", text)
+        with pytest.raises(MeshError, match=message):
+            read_surface(tmp_path / "a.vert")
+    wrote(tmp_path, "a.tri", "0 1 2\n")
+    with pytest.raises(MeshError, match=r"faces\[0\] refers to vertex -1"):
+        read_surface(tmp_path / "a.vert")
+
+
+def test_mat_without_a_mesh_lists_what_there_is(tmp_path):
+    import scipy.io
+
+    scipy.io.savemat(tmp_path / "a.mat", {"volume": np.eye(3)})
+    with pytest.raises(MeshError, match=r"no mesh with fields X, Y, Z, TRIV .* the file holds volume"):
+        read_surface(tmp_path / "a.mat")
+    (tmp_path / "b.mat").write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM" + bytes(64))
+    with pytest.raises(MeshError, match=r"MATLAB 7.3 files are not read"):
+        read_surface(tmp_path / "b.mat")
+
+
+def test_missing_files_and_folders(tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"no such file: .*nothing.off"):
+        read_surface(tmp_path / "nothing.off")
+    with pytest.raises(IsADirectoryError, match="is a folder, not a mesh"):
+        read_surface(tmp_path)
+    with pytest.raises(MeshError, match=r"unknown suffix '.xyz'; written are .ply"):
+        write_surface(SURFACE, tmp_path / "a.xyz")
+
+
+@pytest.mark.parametrize("name", ["polygon.off", "polygon.obj"])
+def test_polygons_are_triangulated_by_repair(tmp_path, name):
+    file = wrote(tmp_path, name, BROKEN[name][0])
+    raw = read_raw(file, repair=True)
+    assert raw.notes == ("1 polygon split into 2 triangles",)
+    surface = read_surface(file, repair=True)
+    assert surface.is_manifold
+    assert surface.n_faces == 2  # the triangle over half of the square is a duplicate
+
+
+# -- real files ---------------------------------------------------------------------------------------
+
+
+def test_the_samples_of_pymeshlab():
+    pymeshlab = pytest.importorskip("pymeshlab")
+    from pathlib import Path
+
+    folder = Path(pymeshlab.__file__).parent / "tests" / "sample_meshes"
+    cow = read_surface(folder / "cow.obj")
+    assert (cow.n_vertices, cow.n_faces, cow.genus) == (2904, 5804, 0)
+    bone = read_surface(folder / "bone.ply")
+    assert bone.n_vertices == 1872
+    assert bone.attributes["colors"].shape == (1872, 4)
+    assert bone.unreferenced_vertices.size
+    assert read_surface(folder / "bunny10k_textured.obj").n_vertices == 5051
+    for name in ("cow.obj", "bone.ply", "bunny10k_textured.obj"):
+        meshes = pymeshlab.MeshSet()
+        meshes.load_new_mesh(str(folder / name))
+        surface = read_surface(folder / name)
+        np.testing.assert_allclose(surface.vertices, meshes.current_mesh().vertex_matrix(), rtol=1e-6)
+        np.testing.assert_array_equal(surface.faces, meshes.current_mesh().face_matrix())
+
+
+def test_tosca_in_both_forms(data_dir):
+    folder = data_dir / "tosca" / "lowres"
+    pair, mat = read_surface(folder / "cat0"), read_surface(folder / "cat0.mat")
+    np.testing.assert_array_equal(pair.faces, mat.faces)
+    np.testing.assert_allclose(pair.vertices, mat.vertices, atol=1e-7)
+    assert pair.n_vertices == 3400
+
+
+def test_attributes_survive_a_way_through_every_host(tmp_path):
+    """From a file through Open3D, PyMeshLab and PyVista into a file again."""
+    o3d, pymeshlab, pyvista = map(pytest.importorskip, ("open3d", "pymeshlab", "pyvista"))
+    from qgeo_filters.hosts.dispatch import as_surface, like_host
+
+    v, f = blob(2)
+    Surface(v, f, ATTRIBUTES).write(tmp_path / "a.ply")
+    surface = as_surface(tmp_path / "a.ply")
+    tensor_mesh = o3d.t.geometry.TriangleMesh(o3d.core.Tensor(v.copy()), o3d.core.Tensor(f.astype(np.int64)))
+    meshes = pymeshlab.MeshSet()
+    meshes.add_mesh(pymeshlab.Mesh(v, f))
+    for host in (tensor_mesh, meshes, pyvista.PolyData.from_regular_faces(v, f)):
+        surface = as_surface(like_host(host, surface, surface.attributes))
+    surface.write(tmp_path / "b.ply")
+    back = as_surface(tmp_path / "b.ply")
+    for name, values in ATTRIBUTES.items():
+        np.testing.assert_array_equal(back.attributes[name], values)

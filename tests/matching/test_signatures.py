@@ -1,0 +1,77 @@
+"""Agreement of what surrounds a point with what surrounds its image."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+import pytest
+from shapes import icosphere, torus
+
+from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.selection.signatures import likeness, relief_likeness
+from qgeo_filters.surface import Surface
+
+
+def pressed(sign: float) -> tuple[np.ndarray, np.ndarray]:
+    """A ball with two bulges in front, and two bulges or hollows of the same size on the back."""
+    vertices, faces = icosphere(3)
+    radius = np.ones(len(vertices))
+    for axis, height in (
+        ((0.5, 1, 0.3), 0.25),
+        ((-0.5, 1, 0.3), 0.25),
+        ((0.5, -1, 0.3), 0.25),
+        ((-0.5, -1, 0.3), 0.25),
+    ):
+        direction = np.array(axis) / np.linalg.norm(axis)
+        radius += (1 if axis[1] > 0 else sign) * height * np.exp(30 * (vertices @ direction - 1))
+    return vertices * radius[:, None], faces
+
+
+def half_turn(vertices: np.ndarray) -> np.ndarray:
+    """Vertex of the sphere on the other side of the z axis, for each."""
+    directions = vertices / np.linalg.norm(vertices, axis=1)[:, None]
+    return (directions @ (directions * [-1, -1, 1]).T).argmax(axis=1)
+
+
+@functools.cache
+def described(sign: float) -> Descriptor:
+    return Descriptor(Surface(*pressed(sign)))
+
+
+def test_relief_of_a_sphere_is_its_curvature_and_that_of_a_torus_follows_the_formula() -> None:
+    sphere = Descriptor(Surface(*icosphere(3)))
+    np.testing.assert_allclose(sphere.relief, np.sqrt(4 * np.pi), rtol=0.01)
+    vertices, faces = torus(80, 40)
+    ring = Descriptor(Surface(vertices, faces))
+    outwards = np.hypot(vertices[:, 0], vertices[:, 1])
+    cosine = (outwards - 1.0) / 0.4
+    expected = (1.0 + 2 * 0.4 * cosine) / (2 * 0.4 * outwards) * ring.scale
+    np.testing.assert_allclose(ring.relief, expected, atol=0.12 * np.ptp(expected))  # smoothed
+
+
+def test_relief_tells_a_bulge_from_a_hollow() -> None:
+    x = described(-1.0)
+    identity, turned = np.arange(x.n_vertices), half_turn(x.unit.vertices)
+    assert relief_likeness(x, x, identity) == 1
+    assert relief_likeness(x, x, turned) < 0.2
+    same = described(1.0)
+    assert relief_likeness(same, same, turned) > 0.99
+
+
+def test_likeness_of_equal_shapes_is_one_and_that_of_a_random_map_near_zero() -> None:
+    x = described(1.0)
+    shuffled = np.random.default_rng(0).permutation(x.n_vertices)
+    for measure in (likeness, relief_likeness):
+        assert measure(x, x, np.arange(x.n_vertices)) == 1
+        assert measure(x, x, shuffled) == pytest.approx(0, abs=0.2)
+
+
+def test_relief_does_not_change_in_a_mirror_with_the_place_or_with_the_size() -> None:
+    x = described(-1.0)
+    np.testing.assert_array_equal(x.mirrored.relief, x.relief)
+    vertices, faces = pressed(-1.0)
+    flipped = Descriptor(Surface(vertices * [-1, 1, 1], faces[:, ::-1]))
+    np.testing.assert_allclose(flipped.relief, x.relief, atol=1e-3)
+    moved = Descriptor(Surface(17.0 * vertices + 3, faces))
+    np.testing.assert_allclose(moved.relief, x.relief, atol=1e-3)

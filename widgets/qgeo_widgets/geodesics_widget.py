@@ -1,0 +1,204 @@
+"""The widget of quasi-geodesics: a path between two points, and how the curvature's weight leads it."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import ipywidgets
+import numpy as np
+import numpy.typing as npt
+import traitlets
+
+from qgeo_filters.defaults import CURVATURE_WEIGHT
+from qgeo_filters.differential.scalar import Scalar, surface_scalar
+from qgeo_filters.geodesics.lifting import lifted_metric
+from qgeo_filters.geodesics.matrix import distances
+from qgeo_filters.geodesics.path.paths import GeodesicPath, quasi_geodesic
+from qgeo_filters.validation import checked_index
+from qgeo_widgets import chart, controls
+from qgeo_widgets.base import ATTRIBUTE, ShapeWidget
+from qgeo_widgets.fields import Field, ScalarField, number_field
+from qgeo_widgets.frames import frame_of
+from qgeo_widgets.shape import Shape
+from qgeo_widgets.viewer import Viewer
+
+SCALAR = "curvature scalar f"
+DISTANCE = "distance from the source"
+_SOURCE, _TARGET, _PLACE = (0.98, 0.70, 0.10), (0.86, 0.11, 0.16), (0.48, 0.25, 0.71)
+_BEFORE = (0.35, 0.37, 0.42)
+
+
+class GeodesicsWidget(ShapeWidget):
+    """A quasi-geodesic on a shape, before and after straightening; see `qgeo_widgets.geodesics`.
+
+    Attributes
+    ----------
+    source, target : int or None
+        Ends of the path. Clicks set them in turn.
+    weight : float
+        The curvature's weight in the metric; 0 gives the surface's own geodesics.
+    before : bool
+        Whether the first path, along edges, is shown too.
+    place : float
+        Where on the path the cursor stands, from 0 at the source to 1.
+    path : GeodesicPath or None
+        What is shown.
+    """
+
+    _page_title = "A quasi-geodesic"
+    source = traitlets.Int(None, allow_none=True)
+    target = traitlets.Int(None, allow_none=True)
+    weight = traitlets.Float(CURVATURE_WEIGHT, min=0.0)
+    before = traitlets.Bool(True)
+    place = traitlets.Float(0.5, min=0.0, max=1.0)
+    path = traitlets.Instance(GeodesicPath, allow_none=True, read_only=True)
+
+    def __init__(
+        self, mesh: Any, *, source: int | None, target: int | None, curvature_weight: float, scalar: Scalar,
+        size: tuple[int, int],
+    ) -> None:  # fmt: skip
+        super().__init__()
+        with self._guarded():
+            self._shape = Shape(mesh, "X", curvature_weight, scalar)
+            self._scalar_given = scalar
+            surface = self._shape.surface
+            self._scalar = surface_scalar(surface, scalar)
+            self._distances: tuple[tuple[int, float], npt.NDArray[np.float64]] | None = None
+            self.weight = curvature_weight
+            viewer = Viewer([surface], [frame_of(surface)], size, [f"<b>shape</b>, {surface.n_vertices} vertices"])
+            self._modes = {SCALAR: self._scalar_field, DISTANCE: self._distance_field}
+            for name in surface.attributes:
+                self._modes[ATTRIBUTE + name] = partial(self._attribute_field, name)
+            weight = controls.number("curvature weight λ", curvature_weight, 0.0, max(0.3, curvature_weight), 0.005)
+            before = controls.tick("before straightening", True, "the shortest path along edges, thin and grey")
+            self._chart = ipywidgets.HTML(layout={"margin": "0"})
+            cursor = ipywidgets.FloatSlider(
+                value=0.5, min=0.0, max=1.0, step=0.005, readout=False,
+                layout={"width": f"{chart.WIDTH - chart.LEFT - chart.RIGHT + 20}px",
+                        "margin": f"0 0 4px {chart.LEFT - 12}px"},
+            )  # fmt: skip
+            title = ipywidgets.HTML("geodesic curvature of the path; the slider moves the violet point")
+            self._plot = ipywidgets.VBox(
+                [title, self._chart, cursor], layout={"display": "none", "overflow": "visible"}
+            )
+            traitlets.link((self, "weight"), (weight, "value"))
+            traitlets.link((self, "before"), (before, "value"))
+            traitlets.link((self, "place"), (cursor, "value"))
+            viewer.widget.children = [*viewer.widget.children, self._plot]
+            viewer.on_pick(self._clicked)
+            self._assemble(viewer, ["shape"], SCALAR, beside=[weight, before])
+            self.observe(lambda _: self._find(), ["source", "target", "weight", "before"])
+            self.observe(lambda _: self._show_place(), "place")
+            self.source, self.target = source, target
+            self._find()
+
+    def _columns(self, mode: str) -> int:
+        return self._shape.columns(mode.removeprefix(ATTRIBUTE)) if mode.startswith(ATTRIBUTE) else 1
+
+    def _ready(self, mode: str) -> bool:
+        return mode != DISTANCE or self.source is not None
+
+    # -- the path -----------------------------------------------------------------------------------
+
+    @traitlets.validate("source", "target")
+    def _valid_vertex(self, proposal: Any) -> int | None:
+        vertex = proposal["value"]
+        if vertex is not None and self._viewer is not None:
+            checked_index(vertex, self._shape.surface.n_vertices, proposal["trait"].name)
+        return vertex
+
+    def _clicked(self, pane: int, vertex: int) -> None:
+        if self.source is None or self.target is not None:
+            with self.hold_trait_notifications():
+                self.source, self.target = vertex, None
+        else:
+            self.target = vertex
+
+    def _find(self) -> None:
+        if self._viewer is None:
+            return
+        with self._guarded():
+            pane = self._viewer.panes[0]
+            vertices = self._shape.surface.vertices
+            pane.set_mark("source", None if self.source is None else vertices[self.source], _SOURCE)
+            pane.set_mark("target", None if self.target is None else vertices[self.target], _TARGET)
+            self.set_trait("path", self._found())
+            self._show_path()
+        if self.mode == DISTANCE:
+            self._refresh()
+
+    def _found(self) -> GeodesicPath | None:
+        if self.source is None or self.target is None:
+            return None
+        metric = lifted_metric(self._shape.surface, self._scalar_given, self.weight)
+        return quasi_geodesic(self._shape.surface, self.source, self.target, metric, initial="edges")
+
+    def _show_path(self) -> None:
+        assert self._viewer is not None
+        pane, path = self._viewer.panes[0], self.path
+        pane.set_line("before", path.initial_points if path is not None and self.before else None, _BEFORE, 2.5)
+        pane.set_line("path", None if path is None else path.points, _TARGET)
+        self._plot.layout.display = "none" if path is None else ""
+        self._show_place()
+        if path is None:
+            step = "the source" if self.source is None else "the target"
+            self._info.value = controls.table([[f"Click {step} of the path."]])
+            return
+
+        def length(value: float) -> str:
+            return f"{value / self._shape.unit:.4f} √area"
+
+        plain = float(np.linalg.norm(np.diff(path.points, axis=0), axis=1).sum())
+        first = float(np.linalg.norm(np.diff(path.initial_points, axis=0), axis=1).sum())
+        felt = float(np.abs(np.diff(self._felt(path))).sum())
+        rows = [
+            ["from vertex", f"{self.source}", "to vertex", f"{self.target}"],
+            ["length in the metric", length(path.length), "along edges", length(path.lengths[0])],
+            ["length on the surface", length(plain), "along edges", length(first)],
+            ["change of f on the way", f"{felt:.2f}", "locally shortest", "yes" if path.converged else "no"],
+        ]
+        self._info.value = controls.table(rows)
+
+    def _felt(self, path: GeodesicPath) -> npt.NDArray[np.float64]:
+        """The scalar at the points of a path."""
+        corners = self._scalar[self._shape.surface.faces[path.faces]]
+        return np.einsum("pi,pi->p", corners, path.barycentric)
+
+    def _way(self, path: GeodesicPath) -> npt.NDArray[np.float64]:
+        steps = np.linalg.norm(np.diff(path.points, axis=0), axis=1)
+        return np.concatenate([[0.0], np.cumsum(steps)]) / self._shape.unit
+
+    def _show_place(self) -> None:
+        if self._viewer is None:
+            return
+        path = self.path
+        if path is None:
+            self._viewer.panes[0].set_mark("place", None)
+            return
+        way = self._way(path)
+        here = self.place * way[-1]
+        point = [np.interp(here, way, path.points[:, axis]) for axis in range(3)]
+        self._viewer.panes[0].set_mark("place", point, _PLACE)
+        self._chart.value = chart.curvature_chart(way[1:-1], path.kappa_g, float(way[-1]), float(here))
+
+    # -- colours ------------------------------------------------------------------------------------
+
+    def _scalar_field(self, k: int) -> Field:
+        return ScalarField([self._scalar], "f, in standard deviations", True)
+
+    def _distance_field(self, k: int) -> Field:
+        if self.source is None:
+            raise ValueError("Click the source of a path: the distances from it are then shown.")
+        key = self.source, self.weight
+        if self._distances is None or self._distances[0] != key:
+            metric = lifted_metric(self._shape.surface, self._scalar_given, self.weight)
+            row = distances(self._shape.surface, [self.source], metric)[0] / self._shape.unit
+            self._distances = key, row
+        return ScalarField([self._distances[1]], f"distance from vertex {self.source} at λ = {self.weight:.3f} / √area")
+
+    def _attribute_field(self, name: str, k: int) -> Field:
+        return number_field([self._shape.attribute(name, k)], name)
+
+    def _page_extras(self) -> dict[str, Any]:
+        return {"info": self._info.value + (self._chart.value if self.path is not None else "")}

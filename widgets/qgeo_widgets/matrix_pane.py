@@ -1,0 +1,89 @@
+"""A matrix as a picture in WebGL whose rows answer to the mouse."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import ipywidgets
+import numpy as np
+import numpy.typing as npt
+import pythreejs as three
+
+from qgeo_widgets.disposal import close_tree
+from qgeo_widgets.pane import BACKGROUND
+
+
+class MatrixPane:
+    """Picture of a square matrix, row 0 at the top; says which entry the mouse is over, and which is clicked.
+
+    Parameters
+    ----------
+    image : (m, m, 3) uint8
+    size : int
+        Width and height of the canvas in pixels.
+    """
+
+    def __init__(self, image: npt.NDArray[np.uint8], size: int) -> None:
+        self.image = image
+        self.size = size
+        self._rows = len(image)
+        self._texture = three.DataTexture(
+            data=np.ascontiguousarray(image[::-1]),
+            format="RGBFormat",
+            type="UnsignedByteType",
+            minFilter="LinearFilter",
+            magFilter="NearestFilter",
+            unpackAlignment=1,
+        )
+        board = three.Mesh(three.PlaneBufferGeometry(2, 2), three.MeshBasicMaterial(map=self._texture))
+        self._row_line = self._stripe(2.0, 0.008)
+        self._column_line = self._stripe(0.008, 2.0)
+        self._camera = three.OrthographicCamera(-1, 1, 1, -1, 0.1, 10, position=(0, 0, 5))
+        self._scene = three.Scene(children=[board, self._row_line, self._column_line], background=None)
+        self.hover = three.Picker(controlling=board, event="mousemove")
+        self.click = three.Picker(controlling=board, event="click")
+        self.renderer = three.Renderer(
+            scene=self._scene,
+            camera=self._camera,
+            controls=[self.hover, self.click],
+            width=size,
+            height=size,
+            clearColor=BACKGROUND,
+        )
+        self.widget = ipywidgets.Box([self.renderer], layout={"width": f"{size + 2}px"})
+        self.widget.add_class("qgeo-pane")
+
+    def on_hover(self, callback: Callable[[int, int], None]) -> None:
+        """Call back with row and column whenever the mouse is over another place."""
+        self.hover.observe(lambda _: self._report(self.hover, callback), names="point")
+
+    def on_click(self, callback: Callable[[int, int], None]) -> None:
+        """Call back with row and column when the picture is clicked."""
+        self.click.observe(lambda _: self._report(self.click, callback), names="point")
+
+    def show(self, row: int, column: int | None = None) -> None:
+        """Draw a line along a row and one along a column."""
+        self._row_line.position = (0.0, 1.0 - 2.0 * (row + 0.5) / self._rows, 0.1)
+        self._row_line.visible = True
+        self._column_line.visible = column is not None
+        if column is not None:
+            self._column_line.position = (2.0 * (column + 0.5) / self._rows - 1.0, 0.0, 0.1)
+
+    def close(self) -> None:
+        """Free everything, here and in the browser."""
+        for item in (self.widget, self.renderer):
+            close_tree(item)
+
+    def _report(self, picker: Any, callback: Callable[[int, int], None]) -> None:
+        if picker.faceIndex is None:
+            return
+        x, y, _ = picker.point
+        last = self._rows - 1
+        row = min(max(int((1.0 - y) / 2.0 * self._rows), 0), last)
+        column = min(max(int((x + 1.0) / 2.0 * self._rows), 0), last)
+        callback(row, column)
+
+    def _stripe(self, width: float, height: float) -> Any:
+        material = three.MeshBasicMaterial(color="#ff2d55")
+        return three.Mesh(three.PlaneBufferGeometry(width, height), material, visible=False)

@@ -1,0 +1,194 @@
+"""One picture of a surface in WebGL: mesh, colours, marks, lines and picking, on pythreejs objects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pythreejs as three
+
+from qgeo_filters.surface import Surface
+from qgeo_widgets.disposal import close_tree
+from qgeo_widgets.frames import Frame
+
+FloatArray = npt.NDArray[np.float64]
+Color = tuple[float, float, float]
+
+BACKGROUND = "#f7f7f8"
+_CLAY = np.array([0.82, 0.83, 0.86], dtype=np.float32)
+# A click may move the camera by this part of its distance: about two pixels of the mouse, as hands do.
+_STILL = 0.03
+
+
+class Pane:
+    """A surface in a scene of its own; the camera and its controls are given, and may be shared.
+
+    Parameters
+    ----------
+    surface : Surface
+    frame : Frame
+    camera, orbit : pythreejs camera and OrbitControls
+    size : (int, int)
+        Of the canvas, in pixels.
+    mark_radius : float
+        Of the ball that marks a point, in scene units.
+    """
+
+    def __init__(
+        self, surface: Surface, frame: Frame, camera: Any, orbit: Any, size: tuple[int, int], mark_radius: float
+    ) -> None:
+        self.surface = surface
+        self.frame = frame
+        self.colors = np.tile(_CLAY, (surface.n_vertices, 1))
+        self.marks: dict[str, tuple[FloatArray, Color]] = {}
+        self.lines: dict[str, tuple[FloatArray, Color]] = {}
+        self._points = frame.to_scene(surface.vertices)
+        self._radius = mark_radius
+        self._camera = camera
+        self._pressed_from = camera.position
+        self._balls: dict[str, Any] = {}
+        self._strokes: dict[str, Any] = {}
+        self._retired: list[Any] = []
+        self._on_pick: list[Callable[[int], None]] = []
+        self._color_attribute = three.BufferAttribute(self.colors, normalized=False)
+        geometry = three.BufferGeometry(
+            attributes={
+                "position": three.BufferAttribute(self._points.astype(np.float32), normalized=False),
+                "normal": three.BufferAttribute(
+                    (surface.vertex_normals @ frame.axes.T).astype(np.float32), normalized=False
+                ),
+                "color": self._color_attribute,
+                "index": three.BufferAttribute(surface.faces.ravel().astype(np.uint32), normalized=False),
+            }
+        )
+        # The mesh is pushed back a little, so that lines on it are not cut by it.
+        material = three.MeshLambertMaterial(
+            vertexColors="VertexColors",
+            side="DoubleSide",
+            polygonOffset=True,
+            polygonOffsetFactor=2.0,
+            polygonOffsetUnits=2.0,
+        )
+        mesh = three.Mesh(geometry, material)
+        self._scene = three.Scene(children=[*_lamps(), mesh], background=None)
+        self.press = three.Picker(controlling=mesh, event="mousedown")
+        self.press.observe(self._pressed, names="point")
+        self.picker = three.Picker(controlling=mesh, event="click")
+        self.picker.observe(self._picked, names="point")
+        self.renderer = three.Renderer(
+            scene=self._scene,
+            camera=camera,
+            controls=[orbit, self.press, self.picker],
+            width=size[0],
+            height=size[1],
+            antialias=True,
+            clearColor=BACKGROUND,
+        )
+
+    # -- colours ------------------------------------------------------------------------------------
+
+    def set_colors(self, colors: npt.ArrayLike) -> bool:
+        """Show these colours (n, 3) in [0, 1]; whether anything had to be sent."""
+        new = np.ascontiguousarray(colors, dtype=np.float32)
+        if new.shape != self.colors.shape:
+            raise ValueError(f"colors have shape {new.shape}, expected {self.colors.shape}")
+        if np.array_equal(new, self.colors):
+            return False
+        self.colors = new
+        self._color_attribute.array = new  # a new array: changes within one are not sent
+        return True
+
+    # -- marks and lines ----------------------------------------------------------------------------
+
+    def set_mark(self, slot: str, point: npt.ArrayLike | None, color: Color = (0.86, 0.11, 0.16)) -> None:
+        """Show a ball at a point (in the surface's coordinates), in place of the one in this slot; None hides it."""
+        if point is None:
+            self.marks.pop(slot, None)
+            if slot in self._balls:
+                self._balls[slot].visible = False
+            return
+        self.marks[slot] = np.asarray(point, dtype=np.float64), color
+        place = tuple(self.frame.to_scene(point).tolist())
+        ball = self._balls.get(slot)
+        if ball is None:
+            ball = self._balls[slot] = three.Mesh(
+                three.SphereGeometry(self._radius, 20, 14), three.MeshLambertMaterial(color=_hex(color)), position=place
+            )
+            self._scene.add(ball)
+            return
+        ball.position = place
+        ball.material.color = _hex(color)
+        ball.visible = True
+
+    def set_line(
+        self, slot: str, points: npt.ArrayLike | None, color: Color = (0.86, 0.11, 0.16), width: float = 5.0
+    ) -> None:
+        """Show a curve through points (p, 3) of the surface, in place of the one in this slot; None removes it."""
+        self.lines.pop(slot, None)
+        old = self._strokes.pop(slot, None)
+        if old is not None:
+            self._scene.remove(old)
+            # Closed with the pane: the front end may still be drawing it.
+            self._retired.append(old)
+        curve = np.empty((0, 3)) if points is None else np.asarray(points, dtype=np.float64)
+        if len(curve) < 2:
+            return
+        self.lines[slot] = curve, color
+        geometry = three.LineGeometry(positions=self.frame.to_scene(curve).astype(np.float32))
+        stroke = self._strokes[slot] = three.Line2(geometry, three.LineMaterial(linewidth=width, color=_hex(color)))
+        self._scene.add(stroke)
+
+    # -- picking ------------------------------------------------------------------------------------
+
+    def on_pick(self, callback: Callable[[int], None]) -> None:
+        """Call back with the vertex nearest to each point that is clicked; the end of a drag is no click."""
+        self._on_pick.append(callback)
+
+    def _pressed(self, change: Any) -> None:
+        self._pressed_from = self._camera.position
+
+    def _dragged(self) -> bool:
+        """Whether the mouse turned the surface between button down and up; the browser sends a click all the same."""
+        # The points alone do not tell: at some depth the surface follows the mouse. The camera alone does not either:
+        # while the kernel is busy its position may arrive after the click.
+        slip = np.linalg.norm(np.subtract(self.picker.point, self.press.point))
+        turn = np.linalg.norm(np.subtract(self._camera.position, self._pressed_from))
+        return bool(slip > self._radius or turn > _STILL * np.linalg.norm(self._pressed_from))
+
+    def _picked(self, change: Any) -> None:
+        if self.picker.faceIndex is None or self._dragged():
+            return
+        corners = np.asarray(self.picker.face, dtype=np.int64)
+        if not ((corners >= 0) & (corners < len(self._points))).all():
+            return
+        gap = np.linalg.norm(self._points[corners] - np.asarray(self.picker.point), axis=1)
+        vertex = int(corners[gap.argmin()])
+        for callback in self._on_pick:
+            callback(vertex)
+
+    # -- the end ------------------------------------------------------------------------------------
+
+    def close(self) -> None:
+        """Free all that the pane holds, in the kernel and in the browser."""
+        self._on_pick.clear()
+        for item in (self.renderer, self._scene, *self._retired):
+            close_tree(item)
+        self._balls.clear()
+        self._strokes.clear()
+        self._retired.clear()
+
+
+def _lamps() -> list[Any]:
+    """Light from all around, so that no side that the camera turns to is dark."""
+    return [
+        three.AmbientLight(intensity=0.52),
+        three.DirectionalLight(position=[-4, 6, 8], intensity=0.42),
+        three.DirectionalLight(position=[6, 1, -4], intensity=0.30),
+        three.DirectionalLight(position=[-3, -4, -6], intensity=0.18),
+    ]
+
+
+def _hex(color: Color) -> str:
+    return "#" + "".join(f"{round(255 * channel):02x}" for channel in color)

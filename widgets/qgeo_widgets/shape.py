@@ -1,0 +1,108 @@
+"""A surface together with what the widgets compute on it, each thing once."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.defaults import CURVATURE_WEIGHT
+from qgeo_filters.differential.scalar import Scalar
+from qgeo_filters.geodesics.lifting import lifted_metric
+from qgeo_filters.geodesics.matrix import distances
+from qgeo_filters.geodesics.metric import LiftedMetric
+from qgeo_filters.hosts.dispatch import as_surface
+from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum
+from qgeo_filters.surface import Surface
+
+FloatArray = npt.NDArray[np.float64]
+
+EIGENFUNCTIONS = 20
+_KEPT_FIELDS = 64
+
+
+class Shape:
+    """Distances, eigenfunctions and attributes of a mesh of any host; lengths are in units of sqrt(area).
+
+    Parameters
+    ----------
+    mesh : mesh object
+        What `as_surface` takes.
+    name : str
+    curvature_weight : float
+        Of the lifted metric; 0 is the surface's own.
+    scalar : str, array-like or callable
+        What lifts it, see `surface_scalar`.
+    """
+
+    def __init__(
+        self, mesh: Any, name: str, curvature_weight: float = CURVATURE_WEIGHT, scalar: Scalar = "mean_curvature"
+    ) -> None:
+        self.surface: Surface = as_surface(mesh)
+        self.name = name
+        self.unit = float(np.sqrt(self.surface.area))
+        self._weight = curvature_weight
+        self._scalar = scalar
+        self._fields: OrderedDict[int, FloatArray] = OrderedDict()
+
+    @cached_property
+    def metric(self) -> LiftedMetric:
+        """The metric that distances, eigenfunctions and paths are measured in."""
+        return lifted_metric(self.surface, self._scalar, self._weight)
+
+    @cached_property
+    def spectrum(self) -> Spectrum:
+        """First eigenpairs of the distance operator."""
+        k = min(EIGENFUNCTIONS, self.surface.n_vertices)
+        return distance_spectrum(self.surface, k, self.metric, landmarks=_landmarks(self.surface))
+
+    def distances_from(self, vertex: int) -> FloatArray:
+        """Quasi-geodesic distance of every vertex from one, (n,), in units of sqrt(area); the last 64 are kept."""
+        field = self._fields.get(vertex)
+        if field is None:
+            field = distances(self.surface, [vertex], self.metric)[0] / self.unit
+            field.setflags(write=False)
+            self._fields[vertex] = field
+            if len(self._fields) > _KEPT_FIELDS:
+                self._fields.popitem(last=False)
+        self._fields.move_to_end(vertex)
+        return field
+
+    def eigenfunction(self, k: int) -> FloatArray:
+        r"""Eigenfunction k (from 1) without unit, :math:`\phi_k \sqrt{A}`, shape (n,)."""
+        if not 1 <= k <= self.spectrum.k:
+            raise ValueError(f"{self.name} has eigenfunctions 1 to {self.spectrum.k}, not {k}")
+        return self.spectrum.eigenfunctions[:, k - 1] * self.unit
+
+    def attribute(self, name: str, column: int = 1) -> FloatArray:
+        """Column (from 1) of a named attribute as float64, shape (n,)."""
+        if name not in self.surface.attributes:
+            known = ", ".join(sorted(self.surface.attributes)) or "none"
+            raise ValueError(f"{self.name} has no attribute {name!r} (it has: {known})")
+        values = self.surface.attributes[name]
+        if values.dtype.kind not in "biuf":
+            raise ValueError(f"attribute {name!r} holds {values.dtype}, no numbers")
+        table = values.reshape(self.surface.n_vertices, -1).astype(np.float64)
+        return table[:, min(column, table.shape[1]) - 1]
+
+    def columns(self, name: str) -> int:
+        """Number of columns of an attribute; 0 where it is absent."""
+        values = self.surface.attributes.get(name)
+        return 0 if values is None else int(np.prod(values.shape[1:], dtype=int))
+
+    def described(self, vertex: int) -> list[tuple[str, str]]:
+        """Attributes of a vertex as names and values for a reader."""
+        lines = []
+        for name, values in sorted(self.surface.attributes.items()):
+            entries = np.atleast_1d(values[vertex]).ravel()
+            shown = ", ".join(f"{v:.4g}" if entries.dtype.kind == "f" else str(v) for v in entries[:4])
+            lines.append((name, shown + (", …" if len(entries) > 4 else "")))
+        return lines
+
+
+def _landmarks(surface: Surface) -> int | None:
+    """None while the full matrix is small; beyond that as many landmarks as give a true picture quickly."""
+    return None if surface.n_vertices <= 8000 else 1000

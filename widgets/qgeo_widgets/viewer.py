@@ -1,0 +1,134 @@
+"""The one class behind which pythreejs hides: up to two pictures of surfaces under one camera."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import ipywidgets
+import numpy as np
+import numpy.typing as npt
+import pythreejs as three
+
+from qgeo_filters.surface import Surface
+from qgeo_widgets.disposal import close_tree
+from qgeo_widgets.fallback_image import STYLE, StillPicture
+from qgeo_widgets.frames import Frame
+from qgeo_widgets.pane import Pane
+
+FloatArray = npt.NDArray[np.float64]
+
+FIELD_OF_VIEW = 26.0
+
+
+class Viewer:
+    """Surfaces side by side, turned together.
+
+    One camera and one set of orbit controls serve every canvas, which keeps the views in step during a drag, not
+    only after it.
+
+    Parameters
+    ----------
+    surfaces, frames : sequence of Surface and of Frame
+        One or two.
+    size : (int, int)
+        Of each canvas, in pixels.
+    titles : sequence of str
+    """
+
+    def __init__(
+        self, surfaces: Sequence[Surface], frames: Sequence[Frame], size: tuple[int, int], titles: Sequence[str]
+    ) -> None:
+        if not 1 <= len(surfaces) <= 2:
+            raise ValueError(f"a viewer has one or two canvases, not {len(surfaces)}")
+        extents = [_extents(surface, frame) for surface, frame in zip(surfaces, frames, strict=True)]
+        radius, sideways, upward = np.max(extents, axis=0).tolist()
+        # Turned about the vertical axis, no shape leaves the picture.
+        slope = np.tan(np.radians(FIELD_OF_VIEW / 2))
+        self.home = (0.0, 0.0, 1.05 * max(upward, sideways * size[1] / size[0]) / slope)
+        self._camera = three.PerspectiveCamera(
+            fov=FIELD_OF_VIEW, aspect=size[0] / size[1], position=self.home, near=0.02 * radius, far=60 * radius
+        )
+        self._orbit = three.OrbitControls(controlling=self._camera)
+        self.size = size
+        self.mark_radius = 0.022 * radius
+        self.panes = [
+            Pane(surface, frame, self._camera, self._orbit, size, self.mark_radius)
+            for surface, frame in zip(surfaces, frames, strict=True)
+        ]
+        self._on_camera: list[Callable[[tuple[float, float, float]], None]] = []
+        self._camera.observe(self._moved, names="position")
+        self.fallbacks = [StillPicture() for _ in self.panes]
+        self.widget = ipywidgets.HBox(
+            [
+                ipywidgets.HTML(STYLE, layout={"display": "none"}),
+                *map(self._framed, self.panes, self.fallbacks, titles),
+            ],
+            layout={"flex_flow": "row wrap", "overflow": "visible"},
+        )
+
+    @property
+    def camera(self) -> tuple[float, float, float]:
+        """Position of the camera in scene units; it looks at the origin unless it was panned."""
+        x, y, z = self._camera.position
+        return float(x), float(y), float(z)
+
+    @camera.setter
+    def camera(self, position: Sequence[float]) -> None:
+        place = np.asarray(position, dtype=np.float64)
+        if place.shape != (3,) or not np.isfinite(place).all() or not place.any():
+            raise ValueError(f"camera must be three finite numbers, not all zero, got {position!r}")
+        self._camera.position = tuple(place.tolist())
+        self._orbit.exec_three_obj_method("update")
+
+    def reset(self) -> None:
+        """Back to where the camera was at first."""
+        self._orbit.target = (0.0, 0.0, 0.0)
+        self._camera.up = (0.0, 1.0, 0.0)
+        self._camera.zoom = 1.0
+        self.camera = self.home
+
+    def on_camera(self, callback: Callable[[tuple[float, float, float]], None]) -> None:
+        """Call back with the camera's position whenever it was moved."""
+        self._on_camera.append(callback)
+
+    def on_pick(self, callback: Callable[[int, int], None]) -> None:
+        """Call back with the number of the pane and the vertex nearest to each point that is clicked."""
+        for number, pane in enumerate(self.panes):
+            pane.on_pick(partial(callback, number))
+
+    def view_axes(self) -> FloatArray:
+        """Rows that point right, up and towards the viewer in the scene, for pictures of what is seen, shape (3, 3)."""
+        toward = np.asarray(self.camera) - np.asarray(self._orbit.target, dtype=np.float64)
+        toward = toward / np.linalg.norm(toward)
+        right = np.cross([0.0, 1.0, 0.0], toward)
+        right = right / np.linalg.norm(right) if np.linalg.norm(right) > 1e-9 else np.array([1.0, 0.0, 0.0])
+        return np.array([right, np.cross(toward, right), toward])
+
+    def close(self) -> None:
+        """Free everything, here and in the browser."""
+        self._on_camera.clear()
+        for pane in self.panes:
+            pane.close()
+        for item in (self.widget, self._orbit, self._camera):
+            close_tree(item)
+
+    def _framed(self, pane: Pane, fallback: StillPicture, title: str) -> ipywidgets.VBox:
+        box = ipywidgets.Box([pane.renderer, fallback], layout={"width": f"{self.size[0] + 2}px"})
+        box.add_class("qgeo-pane")
+        return ipywidgets.VBox([ipywidgets.HTML(title), box], layout={"margin": "0 6px 4px 0", "overflow": "visible"})
+
+    def _moved(self, change: Any) -> None:
+        # Orbit controls report once at first, without having been touched.
+        if np.allclose(change["new"], change["old"], rtol=1e-6, atol=1e-6):
+            return
+        for callback in self._on_camera:
+            callback(self.camera)
+
+
+def _extents(surface: Surface, frame: Frame) -> tuple[float, float, float]:
+    """How far what has faces reaches from the origin, from the vertical axis, and from the horizon."""
+    points = frame.to_scene(surface.vertices[np.unique(surface.faces)])
+    x, y, z = np.abs(points).T
+    return float(np.linalg.norm(points, axis=1).max()) or 1.0, float(np.hypot(x, z).max()), float(y.max())
