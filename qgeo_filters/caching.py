@@ -14,6 +14,7 @@ import joblib
 import numpy as np
 
 from qgeo_filters.atomic import atomic_path
+from qgeo_filters.errors import ParameterError
 
 T = TypeVar("T")
 
@@ -69,7 +70,7 @@ class StageCache:
     ) -> None:
         """Set the bounds and the folder (None: memory only); what no longer fits is dropped."""
         if max_bytes < 0 or max_disk_bytes < 0:
-            raise ValueError(f"cache bounds must not be negative, got {min(max_bytes, max_disk_bytes)} bytes")
+            raise ParameterError(f"cache bounds must not be negative, got {min(max_bytes, max_disk_bytes)} bytes")
         folder = None if directory is None else Path(directory)
         if folder is not None:
             folder.mkdir(parents=True, exist_ok=True)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-IntArray = npt.NDArray[np.int32]
+from qgeo_filters._typing import IntArray
 
 
 def unique_edges(faces: IntArray) -> tuple[IntArray, IntArray, npt.NDArray[np.int64]]:

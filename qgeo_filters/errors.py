@@ -6,7 +6,15 @@ import importlib
 from types import ModuleType
 
 
-class MeshError(ValueError):
+class QgeoError(Exception):
+    """Whatever the caller can mend: a mesh, a parameter or a package that is missing; all others are bugs."""
+
+
+class ParameterError(QgeoError, ValueError):
+    """An argument that is out of range, of a wrong shape or at odds with another: the message says which."""
+
+
+class MeshError(QgeoError, ValueError):
     """A mesh that cannot be used: the message names what is wrong, where and how often."""
 
 
@@ -18,7 +26,7 @@ class DisconnectedError(MeshError):
     """A mesh in several pieces where one piece is needed."""
 
 
-class MissingPackageError(ImportError):
+class MissingPackageError(QgeoError, ImportError):
     """An optional package that is not installed: the message holds the ``pip install`` that brings it."""
 
 

@@ -8,6 +8,8 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 
 from tqdm.auto import tqdm
 
+from qgeo_filters.errors import ParameterError
+
 # Sources of one task: a few blocks of lanes, so that memory and the loss at an interruption stay small.
 GROUP = 64
 
@@ -17,7 +19,7 @@ def worker_count(workers: int | None) -> int:
     if workers is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if workers < 1:
-        raise ValueError(f"workers must be at least 1, got {workers}")
+        raise ParameterError(f"workers must be at least 1, got {workers}")
     return int(workers)
 
 

@@ -12,11 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters import connectivity
+from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.errors import DisconnectedError, MeshError, NonManifoldError
 from qgeo_filters.validation import checked_attributes, checked_faces, checked_vertices, frozen, listed
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int32]
 
 
 class Surface:

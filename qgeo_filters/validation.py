@@ -8,10 +8,8 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.errors import MeshError
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int32]
 
 
 def frozen(array: np.ndarray) -> np.ndarray:

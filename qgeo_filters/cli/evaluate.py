@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Settings
+from qgeo_filters.errors import ParameterError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -59,7 +60,7 @@ def evaluate(
     from qgeo_filters.report.curves import plot_error_curve
 
     if pairs is not None and pairs < 1:
-        raise ValueError(f"--pairs must be at least 1, got {pairs}")
+        raise ParameterError(f"--pairs must be at least 1, got {pairs}")
     parameters = {"dataset": dataset, "root": str(root), "what": what, "pairs": pairs, "seed": seed}
     job = Job(
         "evaluate", Settings(output, quiet, json, pictures=pictures), {**parameters, "category": category or "all"}
@@ -193,7 +194,7 @@ def _dataset(layout: str, root: Path) -> Dataset:
 def _categories(data: Dataset, wanted: list[str] | None) -> list[str]:
     unknown = [name for name in wanted or [] if name not in data.categories]
     if unknown:
-        raise ValueError(f"no category {unknown[0]!r} in {data.root}: there are {', '.join(data.categories)}")
+        raise ParameterError(f"no category {unknown[0]!r} in {data.root}: there are {', '.join(data.categories)}")
     return wanted or list(data.categories)
 
 

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from qgeo_filters.cli.options import Quiet
+from qgeo_filters.errors import ParameterError
 
 
 def fetch(
@@ -49,10 +50,10 @@ def fetch(
             typer.echo(f"{name:<16}{source.terms}")
         return
     if dataset not in SOURCES:
-        raise ValueError(f"no data set {dataset!r}: there are {', '.join(SOURCES)}")
+        raise ParameterError(f"no data set {dataset!r}: there are {', '.join(SOURCES)}")
     urls = SOURCES[dataset].urls
     if sha256 and len(sha256) != len(urls):
-        raise ValueError(f"--sha256: {dataset} comes in {len(urls)} archives, {len(sha256)} hashes are given")
+        raise ParameterError(f"--sha256: {dataset} comes in {len(urls)} archives, {len(sha256)} hashes are given")
     known = dict(zip(urls, sha256 or (), strict=False))
     folder = None if root is None else writable_folder(root)
     # It would tell the hash as well, in terms of its own.

@@ -23,6 +23,7 @@ from qgeo_filters.cli.options import (
     Smoothing,
     Weight,
 )
+from qgeo_filters.errors import ParameterError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -83,14 +84,14 @@ def distances(
         "repair": repair,
     }
     if chosen and matrix is not None:
-        raise ValueError("--matrix holds the distances between all pairs: leave out --sources, or --matrix")
+        raise ParameterError("--matrix holds the distances between all pairs: leave out --sources, or --matrix")
     job = Job("distances", Settings(output, quiet, json, repair, pictures), parameters)
     surface = job.read(mesh)
     n = surface.n_vertices
     if chosen:
         checked_indices(chosen, n, "sources")
     elif matrix is None and 4 * n * n > _LARGEST_MATRIX:
-        raise ValueError(
+        raise ParameterError(
             f"all pairs of {n} vertices would take {4e-9 * n * n:.0f} GB of memory; choose vertices with --sources, or "
             "write the matrix to disk with --matrix FILE.zarr"
         )
@@ -160,7 +161,9 @@ def _indices(text: str) -> list[int]:
     try:
         return [int(part) for part in text.split(",")] if text else []
     except ValueError:
-        raise ValueError(f"--sources must be vertex numbers with commas between, as 0,17,42, got {text!r}") from None
+        raise ParameterError(
+            f"--sources must be vertex numbers with commas between, as 0,17,42, got {text!r}"
+        ) from None
 
 
 def path(

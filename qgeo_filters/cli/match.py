@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Repair, Settings
+from qgeo_filters.errors import ParameterError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -112,16 +113,16 @@ def read_truth(path: Path, n_x: int, n_y: int) -> np.ndarray:
     try:
         loaded: Any = np.load(path, allow_pickle=False) if path.suffix in (".npz", ".npy") else np.loadtxt(path)
     except ValueError as error:
-        raise ValueError(f"{path}: not a list of vertices ({error})") from error
+        raise ParameterError(f"{path}: not a list of vertices ({error})") from error
     if isinstance(loaded, np.lib.npyio.NpzFile):
         with loaded:
             name = next((name for name in ("truth", "p2p") if name in loaded.files), None)
             if name is None and len(loaded.files) != 1:
-                raise ValueError(f"{path} holds {', '.join(loaded.files)}: call the array of true vertices 'truth'")
+                raise ParameterError(f"{path} holds {', '.join(loaded.files)}: call the array of true vertices 'truth'")
             loaded = loaded[name or loaded.files[0]]
     values = np.asarray(loaded)
     if values.shape != (n_x,):
-        raise ValueError(f"{path}: expected one vertex of Y for each of the {n_x} of X, got shape {values.shape}")
+        raise ParameterError(f"{path}: expected one vertex of Y for each of the {n_x} of X, got shape {values.shape}")
     if values.dtype.kind == "f" and np.array_equal(values, np.round(values)):
         values = values.astype(np.int64)
     return checked_indices(values, n_y, str(path))

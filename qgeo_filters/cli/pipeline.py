@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Repair, Settings
+from qgeo_filters.errors import ParameterError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -39,7 +40,7 @@ def run(
     try:
         steps = Pipeline.load(pipeline)
     except ValueError as error:
-        raise ValueError(f"{pipeline}: {error}") from error
+        raise ParameterError(f"{pipeline}: {error}") from error
     settings = Settings(output, quiet, json, repair, pictures)
     numbered = enumerate(steps.steps, start=1)
     parameters = {

@@ -12,10 +12,10 @@ import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.deformation.arap_sums import covariances, strain, turned
 from qgeo_filters.deformation.fit_rotations import nearest_rotations
 
-FloatArray = npt.NDArray[np.float64]
 Solve = Callable[[FloatArray], FloatArray]
 
 # Obtuse triangles have negative cotangents, which would reward bending; relative to the mean weight.

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-FloatArray = npt.NDArray[np.float64]
+from qgeo_filters._typing import FloatArray
 
 
 @njit(cache=True, nogil=True)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from numba import njit
 
-FloatArray = npt.NDArray[np.float64]
+from qgeo_filters._typing import FloatArray
 
 # Newton's steps, and the relative change at which they end.
 _STEPS, _SETTLED = 60, 1e-14

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy import sparse
 
+from qgeo_filters._typing import FloatArray
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.surface import Surface
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def differential_coordinates(surface: Surface, weights: Literal["uniform", "cotangent"] = "uniform") -> FloatArray:
@@ -49,7 +49,7 @@ def differential_coordinates(surface: Surface, weights: Literal["uniform", "cota
         areas = mixed_voronoi_areas(surface)[:, None]
         gradient = area_gradient(surface)
         return np.divide(gradient, areas, out=np.zeros_like(gradient), where=areas > 0)
-    raise ValueError(f"weights must be 'uniform' or 'cotangent', got {weights!r}")
+    raise ParameterError(f"weights must be 'uniform' or 'cotangent', got {weights!r}")
 
 
 def _umbrella(surface: Surface) -> FloatArray:

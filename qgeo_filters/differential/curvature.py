@@ -8,15 +8,14 @@ import igl
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.differential.coordinates import (
     differential_coordinates,
     mixed_voronoi_areas,
     spread_to_neighbours,
 )
-from qgeo_filters.errors import MeshError
+from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.surface import Surface
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +108,7 @@ def principal_curvatures(surface: Surface, radius: int = 5) -> PrincipalCurvatur
     Panozzo, Puppo, Rocca, "Efficient multi-scale curvature and crease estimation", 2010 (`igl.principal_curvature`).
     """
     if not isinstance(radius, (int, np.integer)) or radius < 2:
-        raise ValueError(f"radius is a number of rings, at least 2, got {radius!r}")
+        raise ParameterError(f"radius is a number of rings, at least 2, got {radius!r}")
     _require_orientation(surface, "the sign of the principal curvatures")
     # libigl compares with absolute tolerances: give it a surface of unit area about the origin.
     unit = np.sqrt(surface.area)

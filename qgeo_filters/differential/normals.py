@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import nnls
 
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.differential.coordinates import differential_coordinates
 from qgeo_filters.surface import Surface
-
-FloatArray = npt.NDArray[np.float64]
 
 # Below this fraction of the vertex's edges, a differential coordinate has no direction but rounding.
 _VANISHING = 1e-9

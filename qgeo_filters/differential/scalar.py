@@ -10,6 +10,7 @@ import robust_laplacian
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.differential.coordinates import differential_coordinates
 from qgeo_filters.differential.curvature import (
     from_inside,
@@ -17,11 +18,10 @@ from qgeo_filters.differential.curvature import (
     mean_curvature,
     principal_curvatures,
 )
-from qgeo_filters.errors import MeshError
+from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import listed
 
-FloatArray = npt.NDArray[np.float64]
 Scalar = str | npt.ArrayLike | Callable[[FloatArray], npt.ArrayLike]
 
 #: Names of the built-in scalars.
@@ -97,7 +97,7 @@ def surface_scalar(
     if not surface.area > 0:
         raise MeshError("a surface scalar needs a surface of positive area; all triangles are degenerate")
     if not 0 <= smoothing < np.inf:
-        raise ValueError(f"smoothing is a length as a fraction of sqrt(area), 0 or more, got {smoothing!r}")
+        raise ParameterError(f"smoothing is a length as a fraction of sqrt(area), 0 or more, got {smoothing!r}")
     built_in = isinstance(scalar, str) and scalar in BUILT_IN
     values, floor = _built_in(surface, str(scalar)) if built_in else _given(surface, scalar)
     weights = surface.vertex_areas / surface.area
@@ -105,7 +105,7 @@ def surface_scalar(
         varies = _deviation(values, weights) > floor
         values = np.clip(values, *_percentiles(values, weights, clip))
         if varies and not built_in and _deviation(values, weights) <= floor:
-            raise ValueError(
+            raise ParameterError(
                 f"the scalar varies only beyond the percentiles {tuple(clip)} of the area, so that clipping leaves "
                 "a constant; pass clip=None"
             )
@@ -168,7 +168,7 @@ def _given(surface: Surface, scalar: Scalar) -> tuple[FloatArray, float]:
     """Values (n,) of an attribute, an array or a function, and the size of their rounding."""
     if isinstance(scalar, str):
         if scalar not in surface.attributes:
-            raise ValueError(
+            raise ParameterError(
                 f"unknown scalar {scalar!r}; built in are {', '.join(BUILT_IN)}; the attributes of this surface are "
                 f"{', '.join(sorted(surface.attributes)) or 'none'}"
             )
@@ -180,13 +180,13 @@ def _given(surface: Surface, scalar: Scalar) -> tuple[FloatArray, float]:
         values, name = np.asarray(scalar), "the scalar"
     n = surface.n_vertices
     if values.shape not in ((n,), (n, 1)) or values.dtype.kind not in "biuf":
-        raise ValueError(
+        raise ParameterError(
             f"{name} has {values.dtype} values of shape {values.shape}, expected real ones of shape ({n},)"
         )
     values = values.reshape(n).astype(np.float64)
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
-        raise ValueError(f"{name} is not finite at {bad.size} of {n} vertices: {listed(bad)}")
+        raise ParameterError(f"{name} is not finite at {bad.size} of {n} vertices: {listed(bad)}")
     return values, _ROUNDING * float(np.abs(values).max())
 
 
@@ -203,7 +203,7 @@ def _percentiles(values: FloatArray, weights: FloatArray, clip: tuple[float, flo
     """Values below which the two percentages of the weight lie, linear in between."""
     low, high = clip
     if not 0 <= low < high <= 100:
-        raise ValueError(f"clip must be two percentiles 0 <= low < high <= 100, got {clip!r}")
+        raise ParameterError(f"clip must be two percentiles 0 <= low < high <= 100, got {clip!r}")
     order = np.argsort(values, kind="stable")
     below = np.cumsum(weights[order])
     middle = below - weights[order] / 2

@@ -12,13 +12,11 @@ from os import PathLike
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from qgeo_filters._typing import IndexArray
 from qgeo_filters.errors import MeshError
 from qgeo_filters.io.formats import read_surface
 from qgeo_filters.surface import Surface
-
-IntArray = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,8 +31,8 @@ class PointMap:
         Vertex of Y for each of them.
     """
 
-    points: IntArray
-    images: IntArray
+    points: IndexArray
+    images: IndexArray
 
 
 class Dataset(ABC):
@@ -118,13 +116,13 @@ class ToscaRemeshed(Dataset):
         file = self.root / "symmetry" / f"{self.category(name)}.sym"
         return self._through(name, name, _indices(file))
 
-    def _through(self, x: str, y: str, mirror: IntArray | None) -> PointMap:
+    def _through(self, x: str, y: str, mirror: IndexArray | None) -> PointMap:
         full = self._table(x, "full_of_vertex")
         if mirror is not None:
             full = mirror[full]
         return PointMap(np.arange(len(full)), self._table(y, "vertex_of_full")[full])
 
-    def _table(self, name: str, key: str) -> IntArray:
+    def _table(self, name: str, key: str) -> IndexArray:
         file = self.root / "ground_truth" / f"{name}.npz"
         if not file.is_file():
             raise LookupError(f"no ground truth for {name}: {file} is missing")
@@ -209,7 +207,7 @@ class VtsDataset(Dataset):
         points, first = np.unique(vertices, return_index=True)
         return PointMap(points, vertices[_indices(file)][first])
 
-    def _vertices(self, name: str) -> IntArray:
+    def _vertices(self, name: str) -> IndexArray:
         return _indices(self.root / "corres" / f"{name}.vts")
 
 
@@ -248,12 +246,12 @@ def natural_key(name: str) -> tuple[tuple[str, int], ...]:
     return tuple((text, int(number or -1)) for text, number in re.findall(r"(\D*)(\d*)", name)[:-1])
 
 
-def read_vts(path: str | PathLike[str]) -> IntArray:
+def read_vts(path: str | PathLike[str]) -> IndexArray:
     """Vertices, from 0, at the points of the template, from a ``.vts`` file (one number from 1 in each line)."""
     return _indices(Path(path))
 
 
-def _indices(file: Path) -> IntArray:
+def _indices(file: Path) -> IndexArray:
     """Numbers from 1 in a text file, as indices from 0."""
     if not file.is_file():
         raise LookupError(f"{file} is missing")

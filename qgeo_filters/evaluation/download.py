@@ -13,7 +13,7 @@ from os import PathLike
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from qgeo_filters.errors import MeshError, require_package
+from qgeo_filters.errors import MeshError, ParameterError, require_package
 from qgeo_filters.evaluation.datasets import Dataset, IndexedDataset, VtsDataset
 
 
@@ -116,11 +116,13 @@ def fetch(
         Without pooch.
     """
     if name not in SOURCES:
-        raise ValueError(f"no data set {name!r}: there are {', '.join(SOURCES)}")
+        raise ParameterError(f"no data set {name!r}: there are {', '.join(SOURCES)}")
     source = SOURCES[name]
     if isinstance(known_hash, str):
         if len(source.urls) > 1:
-            raise ValueError(f"{name} comes in {len(source.urls)} archives: known_hash must give the hash of each URL")
+            raise ParameterError(
+                f"{name} comes in {len(source.urls)} archives: known_hash must give the hash of each URL"
+            )
         known_hash = {source.urls[0]: known_hash}
     hashes = {**source.hashes, **(known_hash or {})}
     pooch = require_package("pooch", "download", "fetching a data set")

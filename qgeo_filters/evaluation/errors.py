@@ -9,11 +9,11 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices, frozen
 
-FloatArray = npt.NDArray[np.float64]
 Normalization = Literal["sqrt_area", "diameter", "none"]
 
 #: Errors, in units of sqrt(area), below which the share of points is reported.

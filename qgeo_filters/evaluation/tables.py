@@ -8,9 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.evaluation.errors import FAILED, THRESHOLDS, ErrorSummary, SymmetricErrors
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +78,7 @@ class Row:
     def of(cls, label: str, results: Sequence[PairResult]) -> Row:
         """Row over these pairs, each pair counting equally in the means."""
         if not results:
-            raise ValueError(f"no results for the row {label!r}")
+            raise ParameterError(f"no results for the row {label!r}")
         means = np.array([result.errors.direct.mean() for result in results])
         points = ErrorSummary.of(np.concatenate([result.errors.direct for result in results]))
         return cls(

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import matplotlib
 import numpy as np
 
-from qgeo_filters.errors import MeshError
+from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.filters.base import Filter, registered
 from qgeo_filters.surface import Surface
 
@@ -68,7 +68,7 @@ class Paint(Filter):
             high = max(abs(low), abs(high))
             low = -high
         if self.colormap not in matplotlib.colormaps:
-            raise ValueError(f"unknown colour map {self.colormap!r}; see matplotlib.colormaps")
+            raise ParameterError(f"unknown colour map {self.colormap!r}; see matplotlib.colormaps")
         span = high - low
         scaled = np.where(finite, (values - low) / span if span > 0 else 0.5, 0.0)
         colors = matplotlib.colormaps[self.colormap](scaled)[:, :3]

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 
 from qgeo_filters.caching import cache
-from qgeo_filters.errors import MeshError
+from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.hosts.dispatch import as_surface, has_adapter, like_host
 from qgeo_filters.hosts.repair import Repair, repair_surface
 from qgeo_filters.surface import Surface
@@ -100,7 +100,7 @@ class Filter:
         names = self._parameter_names()
         for name, value in params.items():
             if name not in names:
-                raise ValueError(
+                raise ParameterError(
                     f"{type(self).__name__} has no parameter {name!r}; it has {', '.join(names) or 'none'}"
                 )
             setattr(self, name, value)

@@ -9,6 +9,7 @@ import numpy as np
 
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter, registered
 from qgeo_filters.filters.geodesics import Method, MetricFilter
@@ -120,7 +121,7 @@ class Correspondence(Filter):
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
         """Map, distortion and regions by attribute name."""
         if self.target is None:
-            raise ValueError("Correspondence needs the other shape: Correspondence(target=mesh)")
+            raise ParameterError("Correspondence needs the other shape: Correspondence(target=mesh)")
         found = stages.correspondence_of(surface, as_surface(self.target), self.normalize, progress)
         self.correspondence_ = found
         return {

@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar
-from qgeo_filters.errors import MeshError, require_package
+from qgeo_filters.errors import MeshError, ParameterError, require_package
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.differential import DifferentialCoordinates, SurfaceScalar
 from qgeo_filters.filters.geodesics import QuasiGeodesicDistances
@@ -77,7 +77,7 @@ def compute_scalar_by_quasi_geodesic_spectrum_per_vertex(
         ``eigenvalues`` (k,) and ``eigenfunctions`` (n, k).
     """
     if not 0 <= component < k:
-        raise ValueError(f"component must lie between 0 and k - 1 = {k - 1}, got {component}")
+        raise ParameterError(f"component must lie between 0 and k - 1 = {k - 1}, got {component}")
     surface = as_surface(meshset)
     filter = QuasiGeodesicSpectrum(k, scalar, curvatureweight)
     _run(meshset, surface, filter, component)

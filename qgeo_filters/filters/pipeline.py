@@ -14,6 +14,7 @@ import yaml
 
 from qgeo_filters import filters
 from qgeo_filters.atomic import atomic_write
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.filters.base import REGISTRY, Filter
 from qgeo_filters.surface import Surface
 
@@ -109,11 +110,11 @@ class Pipeline(Filter):
         try:
             content = yaml.safe_load(text)
         except yaml.YAMLError as error:
-            raise ValueError(f"the pipeline is not valid YAML: {' '.join(str(error).split())}") from error
+            raise ParameterError(f"the pipeline is not valid YAML: {' '.join(str(error).split())}") from error
         if not isinstance(content, dict) or not isinstance(content.get("steps"), list):
-            raise ValueError("the pipeline must be a mapping with qgeo_pipeline: 1 and a list of steps")
+            raise ParameterError("the pipeline must be a mapping with qgeo_pipeline: 1 and a list of steps")
         if content.get("qgeo_pipeline") != FORMAT:
-            raise ValueError(
+            raise ParameterError(
                 f"the pipeline has format {content.get('qgeo_pipeline')!r}, this version reads qgeo_pipeline: {FORMAT}"
             )
         return cls([_step(position, entry) for position, entry in enumerate(content["steps"])])
@@ -140,29 +141,29 @@ def _plain(value: Any, name: str) -> Any:
         return [_plain(item, name) for item in value]
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
-    raise ValueError(f"{name} is of type {type(value).__name__}, which a saved pipeline cannot hold")
+    raise ParameterError(f"{name} is of type {type(value).__name__}, which a saved pipeline cannot hold")
 
 
 def _step(position: int, entry: Any) -> Filter:
     if isinstance(entry, str):
         entry = {entry: {}}
     if not isinstance(entry, dict) or len(entry) != 1:
-        raise ValueError(f"steps[{position}] must be one FilterName: {{parameter: value}}, got {entry!r}")
+        raise ParameterError(f"steps[{position}] must be one FilterName: {{parameter: value}}, got {entry!r}")
     name, params = next(iter(entry.items()))
     for module in pkgutil.iter_modules(filters.__path__, f"{filters.__name__}."):
         importlib.import_module(module.name)  # a filter is known once its module is loaded
     if name not in REGISTRY:
-        raise ValueError(
+        raise ParameterError(
             f"steps[{position}] names the unknown filter {name!r}; known are {', '.join(sorted(REGISTRY))}"
         )
     params = params or {}
     if not isinstance(params, dict):
-        raise ValueError(f"steps[{position}] ({name}): parameters must be a mapping, got {params!r}")
+        raise ParameterError(f"steps[{position}] ({name}): parameters must be a mapping, got {params!r}")
     defaults = REGISTRY[name]().get_params()
     names = list(defaults)
     unknown = [key for key in params if key not in names]
     if unknown:
-        raise ValueError(
+        raise ParameterError(
             f"steps[{position}]: {name} has no parameter {unknown[0]!r}; it has {', '.join(names) or 'none'}"
         )
     for key, value in params.items():

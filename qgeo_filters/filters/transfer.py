@@ -8,7 +8,7 @@ from typing import Any
 import igl
 import numpy as np
 
-from qgeo_filters.errors import MeshError
+from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter, registered
 from qgeo_filters.hosts.dispatch import as_surface
@@ -65,7 +65,7 @@ class TransferAttributes(Filter):
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
         """Transferred attributes by name."""
         if self.source is None:
-            raise ValueError("TransferAttributes needs a source mesh: TransferAttributes(source=mesh)")
+            raise ParameterError("TransferAttributes needs a source mesh: TransferAttributes(source=mesh)")
         source = as_surface(self.source)
         names = self._wanted(source)
         place = self._place(surface, source, progress)

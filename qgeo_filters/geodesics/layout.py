@@ -5,13 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.geodesics.metric import IntrinsicMesh
 from qgeo_filters.geodesics.unfolding import apexes, corners_around
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int32]
 
 
 class Layout(NamedTuple):

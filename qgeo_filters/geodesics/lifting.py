@@ -6,6 +6,7 @@ import numpy as np
 
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar, surface_scalar
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.metric import LiftedMetric, cartesian_metric
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
@@ -42,7 +43,7 @@ def lifted_metric(
         Weight negative or not finite, or what `surface_scalar` refuses.
     """
     if not 0 <= weight < np.inf:
-        raise ValueError(f"the weight of the scalar in the metric must be a number, 0 or more, got {weight!r}")
+        raise ParameterError(f"the weight of the scalar in the metric must be a number, 0 or more, got {weight!r}")
     if weight == 0:
         return cartesian_metric(surface)
     f = surface_scalar(surface, scalar, smoothing=smoothing)

@@ -9,15 +9,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters.errors import MeshError
+from qgeo_filters._typing import FloatArray
+from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.geodesics.dgg.graph import GeodesicGraph, graph_of
 from qgeo_filters.geodesics.dijkstra import edge_distances
 from qgeo_filters.geodesics.metric import IntrinsicMesh, LiftedMetric, cartesian_metric
 from qgeo_filters.parallel import GROUP, run_tasks, worker_count
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices
-
-FloatArray = npt.NDArray[np.float64]
 
 METHODS = ("graph", "exact", "edges")
 
@@ -137,7 +136,7 @@ def distance_matrix(
         raise MeshError(f"edges of {extent:g} units in total: float32 does not hold such distances; rescale the mesh")
     if out is not None:
         if method != "graph":
-            raise ValueError(f"out= is written by the graph method only, not by {method!r}")
+            raise ParameterError(f"out= is written by the graph method only, not by {method!r}")
         from qgeo_filters.geodesics.storage import stored_matrix
 
         mesh = _mesh(surface, metric)
@@ -167,9 +166,9 @@ def _mesh(surface: Surface, metric: LiftedMetric | None) -> IntrinsicMesh:
 
 def _check(surface: Surface, metric: LiftedMetric | None, method: str) -> None:
     if method not in METHODS:
-        raise ValueError(f"method must be one of {', '.join(map(repr, METHODS))}, got {method!r}")
+        raise ParameterError(f"method must be one of {', '.join(map(repr, METHODS))}, got {method!r}")
     if metric is not None and metric.surface is not surface and metric.surface.n_vertices != surface.n_vertices:
-        raise ValueError(
+        raise ParameterError(
             f"the metric belongs to a surface of {metric.surface.n_vertices} vertices, "
             f"this one has {surface.n_vertices}"
         )

@@ -6,12 +6,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.surface import Surface
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int32]
 
 
 class IntrinsicMesh(NamedTuple):

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from qgeo_filters.errors import require_package
+from qgeo_filters.errors import ParameterError, require_package
 from qgeo_filters.geodesics.dgg.graph import GeodesicGraph
 from qgeo_filters.geodesics.metric import IntrinsicMesh
 from qgeo_filters.parallel import GROUP, run_tasks
@@ -127,14 +127,16 @@ def _opened(zarr: Any, path: Path, n: int, mark: str) -> Any:
     try:
         array = zarr.open_array(str(path), mode="r+")
     except Exception as error:
-        raise ValueError(f"{path} is there and is not a Zarr array; {advice}") from error
+        raise ParameterError(f"{path} is there and is not a Zarr array; {advice}") from error
     if array.shape != (n, n) or array.dtype != np.float32:
-        raise ValueError(f"{path} holds a {array.dtype} array of shape {array.shape}, not float32 {(n, n)}; {advice}")
+        raise ParameterError(
+            f"{path} holds a {array.dtype} array of shape {array.shape}, not float32 {(n, n)}; {advice}"
+        )
     state = array.attrs.get(_KEY)
     if not isinstance(state, dict) or state.get("group") != GROUP:
-        raise ValueError(f"{path} was not written by this version of distance_matrix(out=...); {advice}")
+        raise ParameterError(f"{path} was not written by this version of distance_matrix(out=...); {advice}")
     if state["fingerprint"] != mark:
-        raise ValueError(f"{path} holds the distances of another mesh, metric or accuracy; {advice}")
+        raise ParameterError(f"{path} holds the distances of another mesh, metric or accuracy; {advice}")
     if not os.access(path, os.W_OK | os.X_OK) and set(state["done"]) != {"f"}:
         raise PermissionError(f"cannot continue {path}: it is read-only")
     return array

@@ -7,10 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.geodesics.metric import IntrinsicMesh
-
-FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int64]
 
 # Slack of the tests "angle at least 2 pi" (inside) and "at least pi" (boundary), radians. Taking too many
 # vertices for ones where a shortest path may bend costs time and never accuracy; on a flat mesh it closes

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from qgeo_filters import connectivity
+from qgeo_filters._typing import IndexArray, IntArray
 from qgeo_filters.io.raw_mesh import counted
 
-IntArray = npt.NDArray[np.int32]
-Indices = npt.NDArray[np.int64]
 
-
-def split_into_fans(vertices: np.ndarray, faces: IntArray, report: list[str]) -> tuple[Indices, IntArray]:
+def split_into_fans(vertices: np.ndarray, faces: IntArray, report: list[str]) -> tuple[IndexArray, IntArray]:
     """Manifold faces, and the old index of each of their vertices.
 
     Parameters
@@ -63,7 +60,7 @@ def split_into_fans(vertices: np.ndarray, faces: IntArray, report: list[str]) ->
     return origin, faces
 
 
-def consistent_flips(faces: IntArray, report: list[str]) -> Indices:
+def consistent_flips(faces: IntArray, report: list[str]) -> IndexArray:
     """Faces to turn over so that neighbours agree on the orientation, the fewest of each piece.
 
     A piece that cannot be oriented (Moebius band) is left as it is, which the report says.
@@ -101,7 +98,7 @@ def _normals(positions: np.ndarray, faces: IntArray) -> np.ndarray:
     return np.divide(crosses, length, out=np.zeros_like(crosses), where=length > 0)
 
 
-def _pairs_by_flatness(halves: Indices, faces: IntArray, normals: np.ndarray) -> list[tuple[bool, float, int, int]]:
+def _pairs_by_flatness(halves: IndexArray, faces: IntArray, normals: np.ndarray) -> list[tuple[bool, float, int, int]]:
     """All pairs of half-edges of one edge, best first: of one orientation, then flat."""
     tails = faces.ravel()[halves]
     pairs = []
@@ -114,7 +111,7 @@ def _pairs_by_flatness(halves: Indices, faces: IntArray, normals: np.ndarray) ->
 
 
 def _join_flattest(
-    positions: np.ndarray, faces: IntArray, face_edges: np.ndarray, bad: Indices, twins: IntArray
+    positions: np.ndarray, faces: IntArray, face_edges: np.ndarray, bad: IndexArray, twins: IntArray
 ) -> None:
     """Fill in twins, in place, at edges of three and more faces; the faces left over stay on a boundary.
 
@@ -134,7 +131,7 @@ def _join_flattest(
                 taken |= {half, other}
 
 
-def _surplus_faces(positions: np.ndarray, faces: IntArray, face_edges: np.ndarray, bad: Indices) -> Indices:
+def _surplus_faces(positions: np.ndarray, faces: IntArray, face_edges: np.ndarray, bad: IndexArray) -> IndexArray:
     """Faces at these edges that are not in the best pair of theirs."""
     normals = _normals(positions, faces)
     surplus: set[int] = set()
@@ -146,7 +143,7 @@ def _surplus_faces(positions: np.ndarray, faces: IntArray, face_edges: np.ndarra
     return np.array(sorted(surplus), dtype=np.int64)
 
 
-def _halfedges_of(face_edges: np.ndarray, edges: Indices) -> list[Indices]:
+def _halfedges_of(face_edges: np.ndarray, edges: IndexArray) -> list[IndexArray]:
     flat = face_edges.ravel()
     order = np.argsort(flat, kind="stable")
     starts = np.searchsorted(flat[order], edges)
@@ -154,7 +151,7 @@ def _halfedges_of(face_edges: np.ndarray, edges: Indices) -> list[Indices]:
     return [order[start:end] for start, end in zip(starts, ends, strict=True)]
 
 
-def _fans(faces: IntArray, twins: IntArray, n_vertices: int) -> tuple[IntArray, Indices]:
+def _fans(faces: IntArray, twins: IntArray, n_vertices: int) -> tuple[IntArray, IndexArray]:
     """Faces with one vertex for each fan, and the vertex that each was; the largest fan keeps its index."""
     fan = connectivity.corner_fans(faces, twins)
     corner_vertex = faces.ravel()

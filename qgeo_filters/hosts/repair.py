@@ -15,15 +15,13 @@ import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
+from qgeo_filters._typing import IndexArray, IntArray
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.dispatch import raw_mesh
 from qgeo_filters.hosts.manifold import consistent_flips, split_into_fans
 from qgeo_filters.io.raw_mesh import RawMesh, counted
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_attributes, checked_vertices, frozen, listed
-
-IntArray = npt.NDArray[np.int32]
-Indices = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +41,8 @@ class Repair:
     """
 
     surface: Surface
-    origin: Indices
-    vertex_of_original: Indices
+    origin: IndexArray
+    vertex_of_original: IndexArray
     report: tuple[str, ...]
 
     @property
@@ -166,7 +164,7 @@ def _without_bad_indices(vertices: np.ndarray, faces: IntArray, report: list[str
     return faces
 
 
-def _collapsed(vertices: np.ndarray, faces: IntArray, report: list[str]) -> Indices:
+def _collapsed(vertices: np.ndarray, faces: IntArray, report: list[str]) -> IndexArray:
     """Vertex that each vertex becomes when edges of length zero are collapsed, the smallest of each group."""
     a, b = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).T
     zero = (vertices[a] == vertices[b]).all(axis=1)

@@ -21,14 +21,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
+from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.spectral.commutative import Normalization, commutative_eigenspectra, spectral_distance
 from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices, frozen
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # Eigenpairs beyond those that are compared, so that a function near the end finds its partner in other poses.
 _SPARE = 5
@@ -57,11 +56,11 @@ class Compatibility:
 
     d_s: float
     c_xy: FloatArray
-    index: IntArray
+    index: IndexArray
     signs: FloatArray
     eigenvalues: FloatArray
     baselines: tuple[int, int]
-    maps: tuple[IntArray, ...]
+    maps: tuple[IndexArray, ...]
 
 
 def compatibility(
@@ -164,7 +163,7 @@ def _on_first(spectra: Sequence[Spectrum], read: list[FloatArray], first: int, s
     return Spectrum(spectra[second].eigenvalues, functions, areas, spectra[second].multiplets)
 
 
-def _default_maps(poses: list[Surface], first: int, progress: bool) -> list[IntArray]:
+def _default_maps(poses: list[Surface], first: int, progress: bool) -> list[IndexArray]:
     """Equal indices for poses of one mesh, otherwise the correspondences from the first baseline."""
     faces = poses[first].faces
     n = poses[first].n_vertices
@@ -182,20 +181,20 @@ def _default_maps(poses: list[Surface], first: int, progress: bool) -> list[IntA
 
 def _check_baselines(count: int, baselines: tuple[int, int]) -> None:
     if count < 2:
-        raise ValueError(f"compatibility is that of two poses or more, got {count}")
+        raise ParameterError(f"compatibility is that of two poses or more, got {count}")
     if len(baselines) != 2 or baselines[0] == baselines[1] or not all(0 <= b < count for b in baselines):
-        raise ValueError(f"baselines must be two different poses out of 0 to {count - 1}, got {baselines!r}")
+        raise ParameterError(f"baselines must be two different poses out of 0 to {count - 1}, got {baselines!r}")
 
 
-def _checked_maps(spectra: Sequence[Spectrum], maps: Sequence[npt.ArrayLike], first: int) -> list[IntArray]:
+def _checked_maps(spectra: Sequence[Spectrum], maps: Sequence[npt.ArrayLike], first: int) -> list[IndexArray]:
     if len(maps) != len(spectra):
-        raise ValueError(f"one map for each of the {len(spectra)} poses is needed, got {len(maps)}")
+        raise ParameterError(f"one map for each of the {len(spectra)} poses is needed, got {len(maps)}")
     n = spectra[first].n_vertices
     images = []
     for number, (spectrum, image) in enumerate(zip(spectra, maps, strict=True)):
         checked = checked_indices(image, spectrum.n_vertices, f"maps[{number}]")
         if len(checked) != n:
-            raise ValueError(
+            raise ParameterError(
                 f"maps[{number}] must hold a vertex for each of the {n} of the first baseline, got {len(checked)}"
             )
         images.append(checked)

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from tqdm.auto import tqdm
 
+from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.matching.initialization.candidates import Candidate, candidates, distortion
 from qgeo_filters.matching.maps.barycentric import BarycentricMap, barycentric_map
 from qgeo_filters.matching.maps.functional_map import functional_map
@@ -20,9 +21,6 @@ from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
-
-FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int64]
 
 # Points to which distances are compared for the distortion.
 _PROBES = 200

@@ -9,10 +9,11 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.deformation.arap import Rigidity
 from qgeo_filters.differential.curvature import mean_curvature
-from qgeo_filters.errors import MeshError
+from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
 from qgeo_filters.geodesics.metric import LiftedMetric
@@ -20,10 +21,6 @@ from qgeo_filters.spectral.distance_spectrum import Spectrum, check_areas, spect
 from qgeo_filters.spectral.laplacian import laplacian_spectrum
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
-
-FloatArray = npt.NDArray[np.float64]
-SingleArray = npt.NDArray[np.float32]
-IndexArray = npt.NDArray[np.int64]
 
 #: Weights of mean curvature in the metrics that propose maps: the surface's own metric and two lifted ones; their
 #: proposals differ. The last is that of the paper's functions.
@@ -110,7 +107,7 @@ class Descriptor:
     ) -> None:
         check_matchable(surface)
         if not weights:
-            raise ValueError("at least one metric must propose maps: weights is empty")
+            raise ParameterError("at least one metric must propose maps: weights is empty")
         self.surface = surface
         self.weights = tuple(float(weight) for weight in weights)
         self.scale = float(np.sqrt(surface.area))
@@ -272,7 +269,7 @@ def check_matchable(surface: Surface) -> None:
 def check_same_size(x: Surface, y: Surface) -> None:
     """Raise `ValueError` for shapes whose areas differ by more than a tenth."""
     if not 1 / _SAME_AREA <= x.area / y.area <= _SAME_AREA:
-        raise ValueError(
+        raise ParameterError(
             f"the areas are {x.area:.6g} and {y.area:.6g}: shapes of different size are compared with normalize=True"
         )
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.matching.maps.functional_map import functional_map, nearest, orthogonal
-
-FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int64]
 
 _TURNS = 20
 
@@ -33,7 +32,7 @@ def eigenfunction_regions(
         Number of regions, at most n_x.
     """
     if not 1 <= count <= len(phi_x):
-        raise ValueError(f"the number of regions must be between 1 and {len(phi_x)}, got {count}")
+        raise ParameterError(f"the number of regions must be between 1 and {len(phi_x)}, got {count}")
     carried = phi_x @ orthogonal(functional_map(phi_x, phi_y, p2p, areas_x))
     centres = _farthest(carried, count)
     for _ in range(_TURNS):

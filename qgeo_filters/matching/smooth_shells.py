@@ -6,15 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
 from qgeo_filters.matching.initialization.sign_search import Hypothesis
 from qgeo_filters.matching.maps.functional_map import functional_map, nearest, nearest_both, upsampled
 from qgeo_filters.matching.prepared_shape import Descriptor
-
-FloatArray = npt.NDArray[np.float64]
-SingleArray = npt.NDArray[np.float32]
-IndexArray = npt.NDArray[np.int64]
 
 # Farthest points on which the eigenfunctions of the distances are brought together.
 _GROWTH_POINTS = 800

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.matching.initialization.candidates import candidates
 from qgeo_filters.matching.maps.functional_map import nearest
 from qgeo_filters.matching.maps.involution import paired
@@ -18,9 +20,6 @@ from qgeo_filters.matching.smooth_shells import Finished
 from qgeo_filters.matching.symmetry_measure import symmetry_epsilon, symmetry_regions
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
-
-FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int64]
 
 #: Mean distortion of distances, in sqrt(area), up to which a map of the shape to its mirror image is a symmetry.
 TOLERANCE = 0.08
@@ -112,7 +111,7 @@ def self_symmetry(shape: Surface | Descriptor, *, tolerance: float = TOLERANCE, 
         See `Descriptor`.
     """
     if not 0 < tolerance < np.inf:
-        raise ValueError(f"the tolerance must be a positive fraction of sqrt(area), got {tolerance!r}")
+        raise ParameterError(f"the tolerance must be a positive fraction of sqrt(area), got {tolerance!r}")
     descriptor = Descriptor.of(shape, progress)
     kept = descriptor.__dict__.setdefault("_symmetries", {})
     if tolerance not in kept:

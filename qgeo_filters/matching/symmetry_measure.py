@@ -27,11 +27,12 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.spectral.canonical import is_antisymmetric
 from qgeo_filters.spectral.distance_spectrum import Spectrum
 from qgeo_filters.validation import checked_indices
 
-FloatArray = npt.NDArray[np.float64]
 Reading = Literal["absolute", "even", "printed"]
 
 # Rows of the distance matrix that are compared at a time.
@@ -70,7 +71,7 @@ def symmetry_sum(spectrum: Spectrum, k0: int | None = None, reading: Reading = "
         return functions[:, ~is_antisymmetric(functions, spectrum.areas)].sum(axis=1)
     if reading == "absolute":
         return np.abs(functions).sum(axis=1)
-    raise ValueError(f"reading must be 'absolute', 'even' or 'printed', got {reading!r}")
+    raise ParameterError(f"reading must be 'absolute', 'even' or 'printed', got {reading!r}")
 
 
 def symmetry_epsilon(
@@ -101,7 +102,7 @@ def symmetry_epsilon(
         return float(np.sqrt(2 * weights @ (values - weights @ values) ** 2))
     image = checked_indices(p2p, spectrum.n_vertices, "p2p")
     if image.shape != values.shape:
-        raise ValueError(f"p2p must hold one vertex for each of the {len(values)}, got {len(image)}")
+        raise ParameterError(f"p2p must hold one vertex for each of the {len(values)}, got {len(image)}")
     return float(np.sqrt(weights @ (values - values[image]) ** 2))
 
 
@@ -144,9 +145,9 @@ def epsilon_bound(
     n = spectrum.n_vertices
     one, other = checked_indices(p, n, "p"), checked_indices(q, n, "q")
     if one.shape != other.shape:
-        raise ValueError(f"p and q must be of one length, got {len(one)} and {len(other)}")
+        raise ParameterError(f"p and q must be of one length, got {len(one)} and {len(other)}")
     if np.shape(matrix) != (n, n):
-        raise ValueError(f"the matrix has shape {np.shape(matrix)}, expected {(n, n)}")
+        raise ParameterError(f"the matrix has shape {np.shape(matrix)}, expected {(n, n)}")
     inverse = 1 / spectrum.eigenvalues[: _checked_count(spectrum, k0)]
     bound = np.empty(len(one))
     for start in range(0, len(one), _BLOCK):
@@ -184,17 +185,19 @@ def symmetry_regions(
         Both n_regions and epsilon, or one that is not positive.
     """
     if n_regions is not None and epsilon is not None:
-        raise ValueError("give the number of regions or the width epsilon of one, not both")
+        raise ParameterError("give the number of regions or the width epsilon of one, not both")
     values = symmetry_sum(spectrum, k0, reading)
     if epsilon is not None:
         if not 0 < epsilon < np.inf:
-            raise ValueError(f"epsilon must be positive, got {epsilon!r}")
+            raise ParameterError(f"epsilon must be positive, got {epsilon!r}")
         if np.ptp(values) / epsilon >= np.iinfo(np.int32).max:
-            raise ValueError(f"epsilon = {epsilon!r} cuts the values, which range over {np.ptp(values):g}, too fine")
+            raise ParameterError(
+                f"epsilon = {epsilon!r} cuts the values, which range over {np.ptp(values):g}, too fine"
+            )
         return ((values - values.min()) / epsilon).astype(np.int32)
     bands = 8 if n_regions is None else n_regions
     if not isinstance(bands, (int, np.integer)) or not 1 <= bands <= spectrum.n_vertices:
-        raise ValueError(f"n_regions must be between 1 and the {spectrum.n_vertices} vertices, got {n_regions!r}")
+        raise ParameterError(f"n_regions must be between 1 and the {spectrum.n_vertices} vertices, got {n_regions!r}")
     order = np.argsort(values, kind="stable")
     area = spectrum.areas[order]
     middle = (np.cumsum(area) - area / 2) / area.sum()
@@ -207,5 +210,5 @@ def _checked_count(spectrum: Spectrum, k0: int | None) -> int:
     if k0 is None:
         return min(20, spectrum.k)
     if not isinstance(k0, (int, np.integer)) or not 1 <= k0 <= spectrum.k:
-        raise ValueError(f"k0 must be between 1 and the {spectrum.k} eigenpairs of the spectrum, got {k0!r}")
+        raise ParameterError(f"k0 must be between 1 and the {spectrum.k} eigenpairs of the spectrum, got {k0!r}")
     return int(k0)

@@ -14,6 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from scipy.cluster.hierarchy import leaves_list, linkage, optimal_leaf_ordering
 from scipy.spatial.distance import squareform
 
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.report.colors import MISSING, ordered_colors, sequential
 from qgeo_filters.report.panels import STYLE, Panel, draw_panel, new_figure
 from qgeo_filters.report.view import View, best_view
@@ -74,10 +75,10 @@ def plot_distance_matrix(
     """
     matrix = np.asarray(matrix)
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
-        raise ValueError(f"the distance matrix must be square, got shape {matrix.shape}")
+        raise ParameterError(f"the distance matrix must be square, got shape {matrix.shape}")
     order = matrix_order(matrix) if order is None else np.asarray(order)
     if order.shape != (len(matrix),):
-        raise ValueError(f"order has shape {order.shape}, but the matrix has {len(matrix)} rows")
+        raise ParameterError(f"order has shape {order.shape}, but the matrix has {len(matrix)} rows")
     shown = _evenly(order)
     part = np.asarray(matrix[np.ix_(shown, shown)], dtype=np.float64)
     with matplotlib.rc_context(STYLE):
@@ -117,7 +118,7 @@ def plot_spectrum(eigenvalues: npt.ArrayLike, *, label: str = r"$|\gamma_k|\,/\,
     """
     values = np.asarray(eigenvalues, dtype=np.float64)
     if values.ndim != 1 or values.size == 0:
-        raise ValueError(f"eigenvalues must have shape (k,) with k >= 1, got {values.shape}")
+        raise ParameterError(f"eigenvalues must have shape (k,) with k >= 1, got {values.shape}")
     size = np.abs(values) / max(float(np.abs(values).max()), 1e-300)
     k = np.arange(1, len(values) + 1)
     figure = new_figure(4.6, 3.2)

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
 
-FloatArray = npt.NDArray[np.float64]
+from qgeo_filters._typing import FloatArray
 
 MISSING = (0.62, 0.62, 0.62)  # values that are not finite
 SEQUENTIAL = "viridis"

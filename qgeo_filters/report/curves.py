@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.evaluation.errors import THRESHOLDS, error_curve
 from qgeo_filters.report.colors import sequential
 from qgeo_filters.report.panels import STYLE, new_figure
@@ -76,7 +77,7 @@ def plot_pairwise(matrix: npt.ArrayLike, names: Sequence[str], label: str) -> Fi
     """
     values = np.asarray(matrix, dtype=np.float64)
     if values.shape != (len(names), len(names)):
-        raise ValueError(f"the matrix has shape {values.shape}, but there are {len(names)} names")
+        raise ParameterError(f"the matrix has shape {values.shape}, but there are {len(names)} names")
     scale = sequential(values)
     figure = new_figure(4.8, 4.0)
     with matplotlib.rc_context(STYLE):

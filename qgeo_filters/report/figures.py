@@ -10,6 +10,7 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.report.charts import plot_distance_matrix, plot_path_curvature, plot_spectrum
 from qgeo_filters.report.colors import distinct, diverging, position_colors, sequential
 from qgeo_filters.report.glyphs import ball, tube
@@ -239,7 +240,7 @@ def plot_symmetry(
         Unless exactly one of labels and p2p is given.
     """
     if (labels is None) == (p2p is None):
-        raise ValueError("give labels or p2p, one of them")
+        raise ParameterError("give labels or p2p, one of them")
     view = view or _view_of(surface)
     options: dict[str, object]
     if labels is not None:
@@ -274,7 +275,7 @@ def plot_correspondence(
     """
     target = np.asarray(p2p)
     if target.shape != (x.n_vertices,):
-        raise ValueError(f"p2p has shape {target.shape}, but X has {x.n_vertices} vertices")
+        raise ParameterError(f"p2p has shape {target.shape}, but X has {x.n_vertices} vertices")
     if views is None:
         view = _view_of(x)
         views = view, view_alike(x, view, y, target)

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int32]
+from qgeo_filters._typing import FloatArray, IntArray
+from qgeo_filters.errors import ParameterError
 
 
 class Glyph(NamedTuple):
@@ -47,7 +47,7 @@ def tube(points: npt.ArrayLike, radius: float, color: tuple[float, float, float]
     step = np.linalg.norm(np.diff(line, axis=0), axis=1)
     line = line[np.append(True, step > 1e-12 * max(float(step.sum()), 1e-300))]
     if len(line) < 2:
-        raise ValueError("a tube needs at least two different points")
+        raise ParameterError("a tube needs at least two different points")
     along = np.diff(line, axis=0)
     along /= np.linalg.norm(along, axis=1, keepdims=True)
     # At a bend the ring lies in the plane that halves the angle.

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 from scipy.spatial import cKDTree
 
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.report.colors import distinct, position_colors
 from qgeo_filters.report.panels import Panel, panel_figure
 from qgeo_filters.report.view import View, best_view
@@ -48,7 +49,7 @@ def plot_sides(surface: Surface, side: npt.ArrayLike, *, view: View | None = Non
     """
     sides = np.asarray(side)
     if sides.shape != (surface.n_vertices,) or not np.isin(sides, (-1, 0, 1)).all():
-        raise ValueError(f"side must be -1, 0 or 1 for each of the {surface.n_vertices} vertices")
+        raise ParameterError(f"side must be -1, 0 or 1 for each of the {surface.n_vertices} vertices")
     options = {"labels": np.where(sides == 0, 2, (1 - sides) // 2).astype(np.int64), "colors": _SIDES}
     view = view or best_view(surface.vertices, surface.faces)
     return panel_figure([Panel(surface, turned, options=options) for turned in (view, view.turned(180.0))])
@@ -103,7 +104,7 @@ def plot_poses(
     columns : int
     """
     if len(maps) != len(surfaces):
-        raise ValueError(f"one map for each of the {len(surfaces)} poses is needed, got {len(maps)}")
+        raise ParameterError(f"one map for each of the {len(surfaces)} poses is needed, got {len(maps)}")
     views = [best_view(surface.vertices, surface.faces) for surface in surfaces]
     colors = position_colors(surfaces[0].vertices, views[0].axes)
     titles = list(names) or [""] * len(surfaces)

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray, SingleArray
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.report.colors import MISSING, ColorScale, sequential
 from qgeo_filters.report.glyphs import Glyph
 from qgeo_filters.report.raster import Fragments, rasterize
@@ -14,9 +16,7 @@ from qgeo_filters.report.shading import corner_normals, crease_darkening, lit, p
 from qgeo_filters.report.view import View, best_view
 from qgeo_filters.surface import Surface
 
-FloatArray = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
-Pixels = npt.NDArray[np.float32]
 
 CLAY = (0.82, 0.83, 0.86)
 _LINE_DARKNESS = 0.6
@@ -78,7 +78,7 @@ def render_mesh(
     values = _checked_values(values, surface.n_vertices)
     palette = _checked_colors(colors, labels, surface.n_vertices)
     if values is not None and palette is not None:
-        raise ValueError("give values or colors, not both")
+        raise ParameterError("give values or colors, not both")
     view = best_view(surface.vertices, surface.faces) if view is None else view
     width, height = size[0] * supersample, size[1] * supersample
     frame = view.fit(surface.vertices[np.unique(surface.faces)], width, height)
@@ -117,7 +117,7 @@ def render_mesh(
     return np.rint(255.0 * smooth).astype(np.uint8)
 
 
-def _interpolated(values: FloatArray, surface: Surface, fragments: Fragments) -> Pixels:
+def _interpolated(values: FloatArray, surface: Surface, fragments: Fragments) -> SingleArray:
     """Values (n, ...) of the vertices at the pixels; a corner without weight does not count, even if NaN."""
     corners = surface.faces[fragments.face]
     total = np.zeros((len(corners), *values.shape[1:]))
@@ -130,7 +130,7 @@ def _interpolated(values: FloatArray, surface: Surface, fragments: Fragments) ->
 
 def _palette_colors(
     palette: FloatArray, labels: npt.ArrayLike | None, surface: Surface, fragments: Fragments
-) -> FloatArray | Pixels:
+) -> FloatArray | SingleArray:
     if labels is None:
         return _interpolated(palette, surface, fragments)
     corners = np.asarray(labels)[surface.faces[fragments.face]]
@@ -147,7 +147,7 @@ def _isoline_cover(
     surface: Surface,
     fragments: Fragments,
     half_width: float,
-) -> Pixels:
+) -> SingleArray:
     """Share of each pixel, 0 to 1, under a line of constant width (pixels) at one of the levels."""
     if levels.size == 0:
         return np.zeros(len(fragments.face), np.float32)
@@ -171,23 +171,25 @@ def _checked_values(values: npt.ArrayLike | None, n_vertices: int) -> FloatArray
         return None
     array = np.asarray(values, dtype=np.float64)
     if array.shape != (n_vertices,):
-        raise ValueError(f"values have shape {array.shape}, but there are {n_vertices} vertices")
+        raise ParameterError(f"values have shape {array.shape}, but there are {n_vertices} vertices")
     return array
 
 
 def _checked_colors(colors: npt.ArrayLike | None, labels: npt.ArrayLike | None, n_vertices: int) -> FloatArray | None:
     if colors is None:
         if labels is not None:
-            raise ValueError("labels need colors, one row for each label")
+            raise ParameterError("labels need colors, one row for each label")
         return None
     array = np.asarray(colors, dtype=np.float64)
     if labels is None:
         if array.shape != (n_vertices, 3):
-            raise ValueError(f"colors have shape {array.shape}, expected ({n_vertices}, 3)")
+            raise ParameterError(f"colors have shape {array.shape}, expected ({n_vertices}, 3)")
         return array
     numbers = np.asarray(labels)
     if numbers.shape != (n_vertices,) or numbers.dtype.kind not in "iu":
-        raise ValueError(f"labels must be {n_vertices} whole numbers, got {numbers.dtype} of shape {numbers.shape}")
+        raise ParameterError(f"labels must be {n_vertices} whole numbers, got {numbers.dtype} of shape {numbers.shape}")
     if array.ndim != 2 or array.shape[1] != 3 or len(array) <= numbers.max(initial=-1):
-        raise ValueError(f"colors have shape {array.shape}, expected one RGB row for each label up to {numbers.max()}")
+        raise ParameterError(
+            f"colors have shape {array.shape}, expected one RGB row for each label up to {numbers.max()}"
+        )
     return array

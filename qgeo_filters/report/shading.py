@@ -6,11 +6,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import gaussian_filter
 
+from qgeo_filters._typing import FloatArray, SingleArray
 from qgeo_filters.report.raster import Fragments
 from qgeo_filters.surface import Surface
-
-FloatArray = npt.NDArray[np.float64]
-Pixels = npt.NDArray[np.float32]
 
 
 def _unit(*direction: float) -> npt.NDArray[np.float32]:
@@ -35,7 +33,7 @@ def corner_normals(surface: Surface) -> FloatArray:
     return np.where(np.abs(agreement) < _CREASE, own, smooth * np.sign(agreement))
 
 
-def pixel_normals(corners: FloatArray, fragments: Fragments, axes: FloatArray) -> Pixels:
+def pixel_normals(corners: FloatArray, fragments: Fragments, axes: FloatArray) -> SingleArray:
     """Unit normals in the viewer's axes at pixels that see a triangle, shape (pixels, 3), turned to the viewer."""
     seen = (corners @ axes.T).astype(np.float32)
     facing = seen.sum(axis=1)[:, 2]
@@ -44,7 +42,7 @@ def pixel_normals(corners: FloatArray, fragments: Fragments, axes: FloatArray) -
     return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
 
 
-def lit(albedo: Pixels, normals: Pixels) -> Pixels:
+def lit(albedo: SingleArray, normals: SingleArray) -> SingleArray:
     """Colours (pixels, 3) of matt material under the key light, a weak fill light and light from all around."""
     key = np.maximum(normals @ _KEY, 0.0)
     fill = np.maximum(normals @ _FILL, 0.0)
@@ -55,7 +53,7 @@ def lit(albedo: Pixels, normals: Pixels) -> Pixels:
     return np.clip(albedo * light[:, None] + gloss[:, None], 0.0, 1.0)
 
 
-def crease_darkening(depth: Pixels, radius: float, strength: float = 0.35) -> Pixels:
+def crease_darkening(depth: SingleArray, radius: float, strength: float = 0.35) -> SingleArray:
     """Factor of at most 1 for every pixel, smaller where its surroundings stand in front of it.
 
     Unsharp masking of the depth (Luft, Colditz, Deussen, "Image enhancement by unsharp masking the depth

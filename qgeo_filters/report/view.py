@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
+from qgeo_filters._typing import FloatArray, IntArray
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.report.raster import rasterize
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int32]
 
 _THREE_QUARTER = 30.0  # degrees from the broadside: depth shows, and the silhouette is still wide
 
@@ -51,7 +49,7 @@ class View:
             If the picture has no pixels.
         """
         if min(width, height) < 1:
-            raise ValueError(f"a picture must be at least 1 x 1 pixels, got {width} x {height}")
+            raise ParameterError(f"a picture must be at least 1 x 1 pixels, got {width} x {height}")
         axes = self.axes * [[1.0], [-1.0], [1.0]]
         seen = vertices @ axes.T
         low, high = seen.min(axis=0), seen.max(axis=0)
@@ -86,7 +84,7 @@ def view_from(azimuth: float, elevation: float = 15.0, up: str = "y") -> View:
         The axis that points up in the picture.
     """
     if up not in ("x", "y", "z"):
-        raise ValueError(f"up must be 'x', 'y' or 'z', got {up!r}")
+        raise ParameterError(f"up must be 'x', 'y' or 'z', got {up!r}")
     k = "xyz".index(up)
     a, e = np.radians([azimuth, elevation])
     front, side, vertical = np.roll(np.eye(3), -(k + 1), axis=0)

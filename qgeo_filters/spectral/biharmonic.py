@@ -6,14 +6,12 @@ from collections.abc import Callable
 
 import igl
 import numpy as np
-import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.geodesics.metric import LiftedMetric
 
-FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int64]
 Product = Callable[[FloatArray], FloatArray]
 
 # Triangles are kept from degenerating by this fraction of the mean side (Sharp and Crane, SGP 2020, sec. 4.5).

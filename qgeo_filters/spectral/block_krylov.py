@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import eigh
 
+from qgeo_filters._typing import FloatArray
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric
@@ -15,8 +16,6 @@ from qgeo_filters.geodesics.operator import DistanceOperator
 from qgeo_filters.spectral.distance_spectrum import Spectrum, check_areas, check_count
 from qgeo_filters.spectral.landmarks import farthest_points
 from qgeo_filters.surface import Surface
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def streamed_spectrum(
@@ -94,9 +93,9 @@ def spectrum_by_pass(
     check_count(k, n)
     check_areas(surface.vertex_areas)
     if not isinstance(passes, (int, np.integer)) or passes < 1:
-        raise ValueError(f"passes must be a whole number, at least 1, got {passes!r}")
+        raise ParameterError(f"passes must be a whole number, at least 1, got {passes!r}")
     if not k <= landmarks <= n:
-        raise ValueError(f"landmarks must be at least k, {k}, and at most the {n} vertices, got {landmarks}")
+        raise ParameterError(f"landmarks must be at least k, {k}, and at most the {n} vertices, got {landmarks}")
     if metric is None:
         metric = lifted_metric(surface)
     operator = DistanceOperator(surface, metric, accuracy=accuracy, workers=workers, progress=progress)

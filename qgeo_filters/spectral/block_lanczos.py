@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import eigh
 from scipy.sparse.linalg import LinearOperator
 
-FloatArray = npt.NDArray[np.float64]
+from qgeo_filters._typing import FloatArray
 
 # Vectors in a block: a dense matrix is read once for each, and rarely repeats an eigenvalue as often.
 _WIDTH = 16

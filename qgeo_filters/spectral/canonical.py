@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from qgeo_filters._typing import FloatArray
 
 #: Neighbouring eigenvalues closer than this fraction of their size make a multiplet: the spread that the
 #: triangulation gives to equal ones.

@@ -16,6 +16,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
+from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.spectral.distance_spectrum import Spectrum
 from qgeo_filters.spectral.joint_diagonalization import commutator_norm, joint_diagonalizer
 from qgeo_filters.validation import checked_indices, frozen
@@ -30,8 +32,6 @@ __all__ = [
     "spectral_distance",
 ]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 Normalization = Literal["area", "vertices"]
 
 # Shares of coupling that differ by less are equal: what rounding and triangulation leave.
@@ -60,8 +60,8 @@ class CommutativeSpectra:
         `spectral_distance` of the pairs.
     """
 
-    index_x: IntArray
-    index_y: IntArray
+    index_x: IndexArray
+    index_y: IndexArray
     signs: FloatArray
     eigenvalues_x: FloatArray
     eigenvalues_y: FloatArray
@@ -112,7 +112,9 @@ def commutative_eigenspectra(
     most = min(spectrum_x.k, spectrum_y.k)
     count = most if size is None else size
     if not isinstance(count, (int, np.integer)) or not 1 <= count <= most:
-        raise ValueError(f"size must be between 1 and {most}, the eigenfunctions that both spectra have, got {size!r}")
+        raise ParameterError(
+            f"size must be between 1 and {most}, the eigenfunctions that both spectra have, got {size!r}"
+        )
     products = functions_x.T @ (weights[:, None] * pulled)
     energy = products**2 * (_relative(spectrum_x, most)[:, None] ** 2 + _relative(spectrum_y, most) ** 2)
     index_x, index_y = linear_sum_assignment(energy, maximize=True)
@@ -158,13 +160,13 @@ def spectral_distance(
     difference = np.asarray(functions_x, dtype=np.float64) - np.asarray(functions_y, dtype=np.float64)
     weights = np.asarray(areas, dtype=np.float64)
     if difference.ndim != 2 or weights.shape != difference.shape[:1]:
-        raise ValueError(f"expected functions (n, m) and areas (n,), got {difference.shape} and {weights.shape}")
+        raise ParameterError(f"expected functions (n, m) and areas (n,), got {difference.shape} and {weights.shape}")
     norms = np.sqrt((weights / weights.sum()) @ difference**2)
     if normalization == "area":
         return float(norms.sum())
     if normalization == "vertices":
         return float(norms.sum() / np.sqrt(len(weights)))
-    raise ValueError(f"normalization must be 'area' or 'vertices', got {normalization!r}")
+    raise ParameterError(f"normalization must be 'area' or 'vertices', got {normalization!r}")
 
 
 def coupling(spectrum_x: Spectrum, spectrum_y: Spectrum, p2p: npt.ArrayLike) -> FloatArray:
@@ -186,7 +188,7 @@ def operator_on_x(spectrum_x: Spectrum, spectrum_y: Spectrum, p2p: npt.ArrayLike
     return (products * spectrum_y.eigenvalues) @ products.T
 
 
-def _smaller(energy: FloatArray, rows: IntArray, columns: IntArray, count: int) -> tuple[IntArray, IntArray]:
+def _smaller(energy: FloatArray, rows: IndexArray, columns: IndexArray, count: int) -> tuple[IndexArray, IndexArray]:
     """Pairs left after dropping, one at a time, the pair with the largest share of coupling to the others."""
     while len(rows) > count:
         among = energy[np.ix_(rows, columns)]
@@ -209,10 +211,10 @@ def _relative(spectrum: Spectrum, count: int) -> FloatArray:
     return spectrum.eigenvalues / np.linalg.norm(spectrum.eigenvalues[:count])
 
 
-def _checked_map(spectrum_x: Spectrum, spectrum_y: Spectrum, p2p: npt.ArrayLike) -> IntArray:
+def _checked_map(spectrum_x: Spectrum, spectrum_y: Spectrum, p2p: npt.ArrayLike) -> IndexArray:
     image = checked_indices(p2p, spectrum_y.n_vertices, "p2p")
     if image.shape != (spectrum_x.n_vertices,):
-        raise ValueError(
+        raise ParameterError(
             f"p2p must hold a vertex of Y for each of the {spectrum_x.n_vertices} vertices of X, got {len(image)}"
         )
     return image

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import eigh
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-FloatArray = npt.NDArray[np.float64]
+from qgeo_filters._typing import FloatArray
 
 # Relative accuracy of the eigenvalues asked of ARPACK: what float32 distances can carry.
 _TOLERANCE = 1e-6

@@ -10,7 +10,8 @@ import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, aslinearoperator
 
-from qgeo_filters.errors import MeshError
+from qgeo_filters._typing import FloatArray
+from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import LiftedMetric
@@ -19,7 +20,6 @@ from qgeo_filters.spectral.canonical import canonical_signs, group_multiplets
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen, listed
 
-FloatArray = npt.NDArray[np.float64]
 Weights = Literal["area", "uniform"]
 
 # Two random vectors must agree to this on <x, D y> = <y, D x>; float32 distances do, one-sided ones do not.
@@ -88,7 +88,7 @@ class Spectrum:
     def truncated(self, k: int) -> Spectrum:
         """Spectrum of the first k eigenpairs."""
         if not 1 <= k <= self.k:
-            raise ValueError(f"k must be between 1 and the {self.k} eigenpairs of this spectrum, got {k}")
+            raise ParameterError(f"k must be between 1 and the {self.k} eigenpairs of this spectrum, got {k}")
         return Spectrum(
             frozen(self.eigenvalues[:k].copy()),
             frozen(self.eigenfunctions[:, :k].copy()),
@@ -148,7 +148,7 @@ def distance_spectrum(
     check_areas(surface.vertex_areas)
     if landmarks is not None:
         if matrix is not None:
-            raise ValueError("landmarks stand for the matrix of distances: pass one or the other")
+            raise ParameterError("landmarks stand for the matrix of distances: pass one or the other")
         # Not at the top: it returns a Spectrum and imports this file.
         from qgeo_filters.spectral.landmarks import landmark_spectrum
 
@@ -198,11 +198,11 @@ def spectrum_of_matrix(
         distance between two pieces is infinite).
     """
     if weights not in ("area", "uniform"):
-        raise ValueError(f"weights must be 'area' or 'uniform', got {weights!r}")
+        raise ParameterError(f"weights must be 'area' or 'uniform', got {weights!r}")
     area = np.asarray(areas, dtype=np.float64)
     n = area.size
     if area.ndim != 1 or np.shape(matrix) != (n, n):
-        raise ValueError(
+        raise ParameterError(
             f"the matrix has shape {np.shape(matrix)} and the areas {area.shape}; expected (n, n) and (n,)"
         )
     check_count(k, n)
@@ -220,7 +220,7 @@ def spectrum_of_matrix(
 def check_count(k: int, n: int) -> None:
     """Raise ValueError unless k eigenpairs can be had of n vertices."""
     if not isinstance(k, (int, np.integer)) or not 1 <= k <= n:
-        raise ValueError(f"k must be between 1 and the number of vertices, {n}, got {k!r}")
+        raise ParameterError(f"k must be between 1 and the number of vertices, {n}, got {k!r}")
 
 
 def check_areas(areas: FloatArray) -> None:
@@ -249,10 +249,12 @@ def _symmetric(matrix: Any, root: FloatArray) -> LinearOperator:
     with np.errstate(invalid="ignore", over="ignore"):
         image = operator.matmat(x)
         if not np.isfinite(image).all():
-            raise ValueError("the matrix holds values that are not finite; distances between two pieces are infinite")
+            raise ParameterError(
+                "the matrix holds values that are not finite; distances between two pieces are infinite"
+            )
         one, other = x[:, 0] @ image[:, 1], x[:, 1] @ image[:, 0]
     if abs(one - other) > _SYMMETRY * max(abs(one), abs(other)):
-        raise ValueError(f"the matrix is not symmetric: <x, D y> = {one:.6g}, <y, D x> = {other:.6g}")
+        raise ParameterError(f"the matrix is not symmetric: <x, D y> = {one:.6g}, <y, D x> = {other:.6g}")
     return operator
 
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from qgeo_filters._typing import FloatArray
+from qgeo_filters.errors import ParameterError
 
 # Relative asymmetry that rounding may leave in a matrix that is symmetric by construction.
 _SYMMETRIC = 1e-8
@@ -54,7 +55,7 @@ def commutator_norm(a: npt.ArrayLike, b: npt.ArrayLike, relative: bool = True) -
     """
     left, right = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
     if left.shape != right.shape or left.ndim != 2 or left.shape[0] != left.shape[1]:
-        raise ValueError(f"the operators must be square and of one shape, got {left.shape} and {right.shape}")
+        raise ParameterError(f"the operators must be square and of one shape, got {left.shape} and {right.shape}")
     norm = float(np.linalg.norm(left @ right - right @ left))
     if not relative:
         return norm
@@ -99,7 +100,9 @@ def joint_diagonalizer(
     while _sweep(stack, basis, tolerance):
         sweeps += 1
         if sweeps > max_sweeps:
-            raise ValueError(f"no convergence in {max_sweeps} sweeps; raise max_sweeps or the tolerance, {tolerance}")
+            raise ParameterError(
+                f"no convergence in {max_sweeps} sweeps; raise max_sweeps or the tolerance, {tolerance}"
+            )
     diagonals = np.einsum("ijj->ij", stack)
     order = np.argsort(-(diagonals**2).sum(axis=0), kind="stable")
     rest = stack.copy()
@@ -132,11 +135,11 @@ def _checked_stack(matrices: Sequence[npt.ArrayLike] | npt.ArrayLike) -> FloatAr
     """Own copy of the matrices as (m, k, k), after a look at shape, finiteness and symmetry."""
     stack = np.array(matrices, dtype=np.float64)
     if stack.ndim != 3 or stack.shape[1] != stack.shape[2] or 0 in stack.shape:
-        raise ValueError(f"the matrices must be a stack of square ones, (m, k, k), got the shape {stack.shape}")
+        raise ParameterError(f"the matrices must be a stack of square ones, (m, k, k), got the shape {stack.shape}")
     if not np.isfinite(stack).all():
-        raise ValueError("the matrices hold values that are not finite")
+        raise ParameterError("the matrices hold values that are not finite")
     defect = np.abs(stack - stack.transpose(0, 2, 1)).max(axis=(1, 2))
     bad = np.flatnonzero(defect > _SYMMETRIC * np.abs(stack).max(axis=(1, 2)))
     if bad.size:
-        raise ValueError(f"matrix {bad[0]} is not symmetric (off by {defect[bad[0]]:.3g}; {bad.size} such)")
+        raise ParameterError(f"matrix {bad[0]} is not symmetric (off by {defect[bad[0]]:.3g}; {bad.size} such)")
     return (stack + stack.transpose(0, 2, 1)) / 2

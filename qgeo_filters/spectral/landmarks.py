@@ -8,6 +8,8 @@ from scipy import sparse
 from scipy.sparse.csgraph import dijkstra
 from scipy.sparse.linalg import LinearOperator
 
+from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric, cartesian_metric
@@ -16,14 +18,11 @@ from qgeo_filters.spectral.distance_spectrum import Spectrum, Weights, check_are
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_index, checked_indices
 
-FloatArray = npt.NDArray[np.float64]
-Vertices = npt.NDArray[np.int64]
-
 
 def farthest_points(
     surface: Surface, count: int, metric: LiftedMetric | None = None, *, start: int | None = None
-) -> Vertices:
-    """Vertices spread evenly over the surface, each the farthest from those before it, shape (count,).
+) -> IndexArray:
+    """IndexArray spread evenly over the surface, each the farthest from those before it, shape (count,).
 
     Distances are those along the edges, which are enough to spread by and cost far less than geodesics.
 
@@ -53,7 +52,7 @@ def farthest_points(
     surface.require_connected("farthest point sampling")
     n = surface.n_vertices
     if not isinstance(count, (int, np.integer)) or not 1 <= count <= n:
-        raise ValueError(f"the number of points must be between 1 and the number of vertices, {n}, got {count!r}")
+        raise ParameterError(f"the number of points must be between 1 and the number of vertices, {n}, got {count!r}")
     metric = metric or cartesian_metric(surface)
     if start is None:
         centroid = surface.vertex_areas @ surface.vertices / surface.area
@@ -118,7 +117,7 @@ def landmark_spectrum(
     else:
         points = checked_indices(landmarks, surface.n_vertices, "landmarks")
     if len(points) <= k:
-        raise ValueError(f"{k} eigenpairs need more landmarks than that, got {len(points)}")
+        raise ParameterError(f"{k} eigenpairs need more landmarks than that, got {len(points)}")
     rows = distances(surface, points, metric, method, accuracy=accuracy, progress=progress)
     return spectrum_of_matrix(landmark_operator(metric, points, rows), surface.vertex_areas, k, weights)
 
@@ -169,10 +168,10 @@ def landmark_operator(metric: LiftedMetric, landmarks: npt.ArrayLike, rows: npt.
     n = surface.n_vertices
     points = checked_indices(landmarks, n, "landmarks")
     if len(np.unique(points)) < len(points):
-        raise ValueError("the landmarks must be different vertices")
+        raise ParameterError("the landmarks must be different vertices")
     table = np.asarray(rows, dtype=np.float32)
     if table.shape != (len(points), n):
-        raise ValueError(f"rows must have shape {(len(points), n)}, got {table.shape}")
+        raise ParameterError(f"rows must have shape {(len(points), n)}, got {table.shape}")
     between = table[:, points].astype(np.float64)
     between = (between + between.T) / 2
     spread, gathered = biharmonic_interpolation(metric, points)

@@ -256,10 +256,11 @@ def test_progress_bar(surface: Surface, capsys: pytest.CaptureFixture[str]) -> N
 
 
 def test_warmup_compiles_everything() -> None:
-    from qgeo_filters.geodesics import bands, clusters, rows, sweeps, windows
+    from qgeo_filters.geodesics.dgg import bucket_order, construction, csr, label_correcting, vertex_ordering
 
     warmup()
     for kernel in (
-        windows.look_from, clusters.compact_order, bands.band_order, rows.merged, sweeps.relax, sweeps.write_rows,
+        construction.look_from, vertex_ordering.compact_order, bucket_order.band_order, csr.merged,
+        label_correcting.relax, label_correcting.write_rows,
     ):  # fmt: skip
         assert kernel.signatures

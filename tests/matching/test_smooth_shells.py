@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from shapes import blob
 
-from qgeo_filters.matching import contenders, rigidity
+from qgeo_filters.deformation import arap
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.selection import cost
 from qgeo_filters.matching.smooth_shells import ENDING, RECONSIDERING, SETTLING, TRIAL, Pass, factorised, finished
 from qgeo_filters.surface import Surface
 
@@ -36,7 +37,7 @@ def test_nothing_is_factorised_in_a_thread(
     def forbidden(*_: object, **__: object) -> None:
         raise AssertionError("factorised while maps are tried side by side")
 
-    monkeypatch.setattr(rigidity, "splu", forbidden)
+    monkeypatch.setattr(arap, "splu", forbidden)
     found = finished(x, y, np.arange(x.n_vertices), passes)
     off = np.linalg.norm(found.positions - y.unit.vertices, axis=1)
     assert off.mean() < 0.05
@@ -54,7 +55,7 @@ def test_factorisations_are_dropped_when_a_match_is_interrupted(
         used.append(len(x.rigidity._factors))
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(contenders, "likeness", interrupted)
+    monkeypatch.setattr(cost, "likeness", interrupted)
     with pytest.raises(KeyboardInterrupt):
         match(x, y)
     assert max(used) > 0

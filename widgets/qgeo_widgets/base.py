@@ -11,6 +11,7 @@ import ipywidgets
 import traitlets
 
 from qgeo_filters.atomic import atomic_write
+from qgeo_filters.errors import ParameterError
 from qgeo_widgets import controls
 from qgeo_widgets.disposal import close_tree
 from qgeo_widgets.fields import Field, ScalarField
@@ -157,7 +158,7 @@ class ShapeWidget(ipywidgets.VBox):
     def snapshot(self, path: str | PathLike[str] | None = None) -> bytes:
         """PNG of what is shown, with titles and colour bar, drawn in software; written to the path if given."""
         if self._viewer is None:
-            raise ValueError(f"there is nothing to draw: {self.message}")
+            raise ParameterError(f"there is nothing to draw: {self.message}")
         png = snapshot(self._viewer, self._titles, self._field, self.limits)
         if path is not None:
             with atomic_write(path) as file:
@@ -176,10 +177,10 @@ class ShapeWidget(ipywidgets.VBox):
         from qgeo_widgets.export import Page, write_page
 
         if self._viewer is None:
-            raise ValueError(f"there is nothing to write: {self.message}")
+            raise ParameterError(f"there is nothing to write: {self.message}")
         unknown = set(modes or ()) - set(self._modes)
         if unknown:
-            raise ValueError(f"unknown modes {sorted(unknown)}; there are {', '.join(self._modes)}")
+            raise ParameterError(f"unknown modes {sorted(unknown)}; there are {', '.join(self._modes)}")
         chosen = modes or [name for name in self.modes if self._ready(name)]
         page = Page(
             title=self._page_title,

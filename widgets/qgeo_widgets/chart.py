@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.ticker import MaxNLocator
 
-FloatArray = npt.NDArray[np.float64]
+from qgeo_filters._typing import FloatArray
 
 WIDTH, HEIGHT = 500, 200
 LEFT, RIGHT = 64, 14  # room beside the plot area; the slider under it has the same ends

@@ -10,6 +10,8 @@ import numpy as np
 import numpy.typing as npt
 import traitlets
 
+from qgeo_filters._typing import FloatArray
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.report.colors import position_colors
 from qgeo_filters.validation import checked_index
 from qgeo_widgets import controls
@@ -23,7 +25,6 @@ from qgeo_widgets.viewer import Viewer
 if TYPE_CHECKING:
     from qgeo_filters.matching.correspondence import Correspondence
 
-FloatArray = npt.NDArray[np.float64]
 Pick = tuple[str, int]
 
 CARRIED = "colours carried from X to Y"
@@ -121,7 +122,7 @@ class CompareWidget(ShapeWidget):
 
         symmetry = self_symmetry(self._shapes[1].surface)
         if not symmetry.found:
-            raise ValueError("No symmetry was found on Y, so that the map has no mirrored twin.")
+            raise ParameterError("No symmetry was found on Y, so that the map has no mirrored twin.")
         return symmetry.p2p
 
     def _show_orientation(self) -> None:
@@ -259,7 +260,7 @@ class CompareWidget(ShapeWidget):
 
     def _distance_field(self, k: int) -> Field:
         if not self.pairs:
-            raise ValueError("Click a point on one of the shapes: the distances from it are then shown.")
+            raise ParameterError("Click a point on one of the shapes: the distances from it are then shown.")
         ends = self.pairs[0]
         fields = [shape.distances_from(v) for shape, v in zip(self._shapes, ends, strict=True)]
         return ScalarField(fields, f"distance from vertex {ends[0]} of X and {ends[1]} of Y / √area")

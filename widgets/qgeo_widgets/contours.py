@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.surface import Surface
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def sign_changes(surface: Surface, values: npt.ArrayLike) -> list[FloatArray]:

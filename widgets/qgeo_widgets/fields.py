@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.report.colors import ColorScale, distinct, diverging, sequential
 from qgeo_widgets.legend import color_bar, swatches
 
-FloatArray = npt.NDArray[np.float64]
 Limits = tuple[float, float]
 
 

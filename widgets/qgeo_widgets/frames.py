@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.report.view import best_view
 from qgeo_filters.surface import Surface
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ import traitlets
 
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar, surface_scalar
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.path.paths import GeodesicPath, quasi_geodesic
@@ -189,7 +190,7 @@ class GeodesicsWidget(ShapeWidget):
 
     def _distance_field(self, k: int) -> Field:
         if self.source is None:
-            raise ValueError("Click the source of a path: the distances from it are then shown.")
+            raise ParameterError("Click the source of a path: the distances from it are then shown.")
         key = self.source, self.weight
         if self._distances is None or self._distances[0] != key:
             metric = lifted_metric(self._shape.surface, self._scalar_given, self.weight)

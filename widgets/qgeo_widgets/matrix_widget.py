@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import traitlets
 
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.report.charts import matrix_order
 from qgeo_filters.report.colors import ordered_colors, sequential
@@ -152,7 +153,9 @@ class MatrixWidget(ShapeWidget):
 
     def _distance_field(self, k: int) -> Field:
         if self.picked is None:
-            raise ValueError("Move over the matrix or click on the shape: the distances of that vertex are then shown.")
+            raise ParameterError(
+                "Move over the matrix or click on the shape: the distances of that vertex are then shown."
+            )
         return ScalarField([self._distances(self.picked)], f"distance from vertex {self.picked} / √area")
 
     def _order_field(self, k: int) -> Field:
@@ -186,7 +189,7 @@ def _checked_rows(matrix: npt.ArrayLike | None, sample: npt.NDArray[np.int64], s
     else:
         given = np.asarray(matrix)
         if given.shape != (n, n):
-            raise ValueError(f"the matrix has shape {given.shape}, but the mesh has {n} vertices")
+            raise ParameterError(f"the matrix has shape {given.shape}, but the mesh has {n} vertices")
         rows = given[sample]
     return (rows / shape.unit).astype(np.float32)
 

@@ -9,11 +9,12 @@ import numpy as np
 import numpy.typing as npt
 import pythreejs as three
 
+from qgeo_filters._typing import FloatArray
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.surface import Surface
 from qgeo_widgets.disposal import close_tree
 from qgeo_widgets.frames import Frame
 
-FloatArray = npt.NDArray[np.float64]
 Color = tuple[float, float, float]
 
 BACKGROUND = "#f7f7f8"
@@ -93,7 +94,7 @@ class Pane:
         """Show these colours (n, 3) in [0, 1]; whether anything had to be sent."""
         new = np.ascontiguousarray(colors, dtype=np.float32)
         if new.shape != self.colors.shape:
-            raise ValueError(f"colors have shape {new.shape}, expected {self.colors.shape}")
+            raise ParameterError(f"colors have shape {new.shape}, expected {self.colors.shape}")
         if np.array_equal(new, self.colors):
             return False
         self.colors = new

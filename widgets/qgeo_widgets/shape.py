@@ -7,18 +7,17 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric
 from qgeo_filters.hosts.dispatch import as_surface
 from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum
 from qgeo_filters.surface import Surface
-
-FloatArray = npt.NDArray[np.float64]
 
 EIGENFUNCTIONS = 20
 _KEPT_FIELDS = 64
@@ -74,17 +73,17 @@ class Shape:
     def eigenfunction(self, k: int) -> FloatArray:
         r"""Eigenfunction k (from 1) without unit, :math:`\phi_k \sqrt{A}`, shape (n,)."""
         if not 1 <= k <= self.spectrum.k:
-            raise ValueError(f"{self.name} has eigenfunctions 1 to {self.spectrum.k}, not {k}")
+            raise ParameterError(f"{self.name} has eigenfunctions 1 to {self.spectrum.k}, not {k}")
         return self.spectrum.eigenfunctions[:, k - 1] * self.unit
 
     def attribute(self, name: str, column: int = 1) -> FloatArray:
         """Column (from 1) of a named attribute as float64, shape (n,)."""
         if name not in self.surface.attributes:
             known = ", ".join(sorted(self.surface.attributes)) or "none"
-            raise ValueError(f"{self.name} has no attribute {name!r} (it has: {known})")
+            raise ParameterError(f"{self.name} has no attribute {name!r} (it has: {known})")
         values = self.surface.attributes[name]
         if values.dtype.kind not in "biuf":
-            raise ValueError(f"attribute {name!r} holds {values.dtype}, no numbers")
+            raise ParameterError(f"attribute {name!r} holds {values.dtype}, no numbers")
         table = values.reshape(self.surface.n_vertices, -1).astype(np.float64)
         return table[:, min(column, table.shape[1]) - 1]
 

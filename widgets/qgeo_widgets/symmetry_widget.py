@@ -6,9 +6,9 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import traitlets
 
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.matching.symmetry_measure import symmetry_regions, symmetry_sum
 from qgeo_filters.report.colors import position_colors
 from qgeo_filters.validation import checked_index
@@ -19,8 +19,6 @@ from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field, re
 from qgeo_widgets.frames import frame_of
 from qgeo_widgets.shape import EIGENFUNCTIONS, Shape
 from qgeo_widgets.viewer import Viewer
-
-FloatArray = npt.NDArray[np.float64]
 
 MIRRORED = "mirror images in one colour"
 SIDES = "sides"

@@ -9,11 +9,10 @@ import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse.csgraph import dijkstra
 
+from qgeo_filters._typing import IndexArray
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import listed
-
-FloatArray = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
 
 
 class VertexMap:
@@ -34,21 +33,21 @@ class VertexMap:
     def __init__(self, x: Surface, y: Surface, p2p: npt.ArrayLike) -> None:
         table = np.asarray(p2p)
         if table.shape != (x.n_vertices,) or table.dtype.kind not in "iu":
-            raise ValueError(
+            raise ParameterError(
                 f"p2p must be {x.n_vertices} vertex indices, one for each vertex of X, "
                 f"got {table.dtype} of shape {table.shape}"
             )
         outside = np.flatnonzero((table < 0) | (table >= y.n_vertices))
         if outside.size:
-            raise ValueError(
+            raise ParameterError(
                 f"p2p[{outside[0]}] is vertex {table[outside[0]]}, but Y has {y.n_vertices} vertices "
                 f"({outside.size} such: {listed(outside)})"
             )
         self.x, self.y = x, y
-        self.forward: Indices = table.astype(np.int64)
+        self.forward: IndexArray = table.astype(np.int64)
 
     @cached_property
-    def backward(self) -> Indices:
+    def backward(self) -> IndexArray:
         """A vertex of X for each vertex of Y, (n_y,): one that is mapped there, or nearest to it along edges."""
         vertices, first = np.unique(self.forward, return_index=True)
         a, b = self.y.edges.T

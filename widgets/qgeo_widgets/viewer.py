@@ -8,16 +8,15 @@ from typing import Any
 
 import ipywidgets
 import numpy as np
-import numpy.typing as npt
 import pythreejs as three
 
+from qgeo_filters._typing import FloatArray
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.surface import Surface
 from qgeo_widgets.disposal import close_tree
 from qgeo_widgets.fallback_image import STYLE, StillPicture
 from qgeo_widgets.frames import Frame
 from qgeo_widgets.pane import Pane
-
-FloatArray = npt.NDArray[np.float64]
 
 FIELD_OF_VIEW = 26.0
 
@@ -41,7 +40,7 @@ class Viewer:
         self, surfaces: Sequence[Surface], frames: Sequence[Frame], size: tuple[int, int], titles: Sequence[str]
     ) -> None:
         if not 1 <= len(surfaces) <= 2:
-            raise ValueError(f"a viewer has one or two canvases, not {len(surfaces)}")
+            raise ParameterError(f"a viewer has one or two canvases, not {len(surfaces)}")
         extents = [_extents(surface, frame) for surface, frame in zip(surfaces, frames, strict=True)]
         radius, sideways, upward = np.max(extents, axis=0).tolist()
         # Turned about the vertical axis, no shape leaves the picture.
@@ -78,7 +77,7 @@ class Viewer:
     def camera(self, position: Sequence[float]) -> None:
         place = np.asarray(position, dtype=np.float64)
         if place.shape != (3,) or not np.isfinite(place).all() or not place.any():
-            raise ValueError(f"camera must be three finite numbers, not all zero, got {position!r}")
+            raise ParameterError(f"camera must be three finite numbers, not all zero, got {position!r}")
         self._camera.position = tuple(place.tolist())
         self._orbit.exec_three_obj_method("update")
 

@@ -8,10 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.geodesics.dgg.csr import Rows, undirected
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int32]
 
 # Of the accuracy, the share by which one tick may lengthen an edge, and three times that a path.
 ROUNDING = 0.01

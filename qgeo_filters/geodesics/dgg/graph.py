@@ -10,6 +10,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.sparse.csgraph import connected_components, dijkstra
 
+from qgeo_filters._typing import FloatArray, IntArray
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.dgg.bucket_order import band_order
 from qgeo_filters.geodesics.dgg.construction import look_from
 from qgeo_filters.geodesics.dgg.csr import undirected
@@ -22,9 +24,6 @@ from qgeo_filters.geodesics.dijkstra import mesh_edges
 from qgeo_filters.geodesics.layout import layout_of
 from qgeo_filters.geodesics.metric import IntrinsicMesh, LiftedMetric, cartesian_metric
 from qgeo_filters.surface import Surface
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int32]
 
 # Width of a band of distance, in mean edge lengths: narrow enough for one pass to do nearly all.
 _BAND = 0.25
@@ -113,7 +112,7 @@ def geodesic_graph(mesh: IntrinsicMesh, accuracy: float = 1e-3, *, workers: int 
         If the accuracy is out of range.
     """
     if not 1e-6 <= accuracy <= 0.1:
-        raise ValueError(f"accuracy is a relative error from 1e-6 to 0.1, got {accuracy}")
+        raise ParameterError(f"accuracy is a relative error from 1e-6 to 0.1, got {accuracy}")
     edges = mesh_edges(mesh)
     _, piece = connected_components(edges, directed=False)
     one_of_each = np.unique(piece, return_index=True)[1]

@@ -9,12 +9,11 @@ import numpy as np
 import numpy.typing as npt
 from tqdm.auto import tqdm
 
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.geodesics.metric import IntrinsicMesh
 from qgeo_filters.geodesics.mmp.window_propagation import propagate
 from qgeo_filters.geodesics.unfolding import unfolded
 from qgeo_filters.validation import checked_indices
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def exact_distances(

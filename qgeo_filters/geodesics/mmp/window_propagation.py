@@ -13,9 +13,9 @@ work decides the time only: whatever arrives late and nearer is carried on again
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from numba import njit
 
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.geodesics.jit import NONE, kernel
 from qgeo_filters.geodesics.mmp.indexed_heap import IndexedHeap, heap_pop, heap_push, new_heap
 from qgeo_filters.geodesics.mmp.lower_envelope import (
@@ -28,8 +28,6 @@ from qgeo_filters.geodesics.mmp.lower_envelope import (
     new_pool,
 )
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh
-
-FloatArray = npt.NDArray[np.float64]
 
 # Where a vertex is this near to a window (relative to the edge) it is reached although the window passes
 # it, by a path that bends a little: that bridges gaps left by rounding.

@@ -14,11 +14,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import IndexArray
 from qgeo_filters.geodesics.jit import inner, kernel
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh
-
-FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int64]
 
 # A path that passes a vertex at this fraction of the crossed edge passes through it: its length is then
 # off by the square.

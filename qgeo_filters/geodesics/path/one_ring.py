@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from qgeo_filters._typing import IndexArray
 from qgeo_filters.geodesics.jit import ZERO, kernel
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh
-
-IndexArray = npt.NDArray[np.int64]
 
 
 @kernel

@@ -11,7 +11,8 @@ import numpy.typing as npt
 from numba import njit
 from tqdm.auto import tqdm
 
-from qgeo_filters.errors import DisconnectedError, MeshError
+from qgeo_filters._typing import FloatArray, IntArray
+from qgeo_filters.errors import DisconnectedError, MeshError, ParameterError
 from qgeo_filters.geodesics.jit import ZERO
 from qgeo_filters.geodesics.metric import LiftedMetric, cartesian_metric
 from qgeo_filters.geodesics.path.backtrace import edge_sleeve, exact_sleeve
@@ -19,9 +20,6 @@ from qgeo_filters.geodesics.path.straightening import describe, straighten, vert
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh, unfolded
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_index, checked_indices, frozen
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int32]
 
 INITIAL = ("exact", "edges")
 
@@ -199,9 +197,9 @@ class _Finder:
 
     def __init__(self, surface: Surface, metric: LiftedMetric | None, initial: str, tolerance: float) -> None:
         if initial not in INITIAL:
-            raise ValueError(f"initial must be one of {', '.join(map(repr, INITIAL))}, got {initial!r}")
+            raise ParameterError(f"initial must be one of {', '.join(map(repr, INITIAL))}, got {initial!r}")
         if not 0.0 < tolerance < 1.0:
-            raise ValueError(f"tolerance must be an angle between 0 and 1 radian, got {tolerance!r}")
+            raise ParameterError(f"tolerance must be an angle between 0 and 1 radian, got {tolerance!r}")
         self.surface = surface
         self.exact = initial == "exact"
         self.tolerance = tolerance

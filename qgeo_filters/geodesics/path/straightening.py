@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.geodesics.jit import NONE, ZERO, inner, kernel
 from qgeo_filters.geodesics.path.funnel import FlatSleeve, new_flat_sleeve, side_angles, tighten
 from qgeo_filters.geodesics.path.one_ring import (
@@ -22,9 +23,6 @@ from qgeo_filters.geodesics.path.one_ring import (
     walk_fan,
 )
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh
-
-FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int64]
 
 POINT = np.dtype(
     [

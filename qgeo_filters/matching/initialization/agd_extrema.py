@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from qgeo_filters._typing import IndexArray
 from qgeo_filters.matching.initialization.distortion import point_distortions
 from qgeo_filters.matching.initialization.sign_search import (
     NEAR_IDENTITY,
@@ -14,10 +14,6 @@ from qgeo_filters.matching.initialization.sign_search import (
     distinct,
 )
 from qgeo_filters.matching.prepared_shape import Descriptor
-
-FloatArray = npt.NDArray[np.float64]
-SingleArray = npt.NDArray[np.float32]
-IndexArray = npt.NDArray[np.int64]
 
 # Farthest points on either shape.
 _POINTS = 300

@@ -6,17 +6,14 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 
+from qgeo_filters._typing import IndexArray, SingleArray
 from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.initialization.agd_extrema import extremity_maps
 from qgeo_filters.matching.initialization.sign_search import search
 from qgeo_filters.matching.maps.orientation import facing
 from qgeo_filters.matching.prepared_shape import Descriptor
 from qgeo_filters.matching.smooth_shells import grown, spread
-
-SingleArray = npt.NDArray[np.float32]
-IndexArray = npt.NDArray[np.int64]
 
 # Maps that distort distances by more than this times the best are not worth growing.
 _WORTHWHILE = 2.0

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from numba import njit
 
-SingleArray = npt.NDArray[np.float32]
-FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int64]
+from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
 
 
 @njit(cache=True, nogil=True)

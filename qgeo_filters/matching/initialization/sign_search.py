@@ -7,16 +7,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
 from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.initialization.distortion import point_distortions
 from qgeo_filters.matching.maps.functional_map import nearest, orthogonal
 from qgeo_filters.matching.prepared_shape import Descriptor, MetricView
-
-FloatArray = npt.NDArray[np.float64]
-SingleArray = npt.NDArray[np.float32]
-IndexArray = npt.NDArray[np.int64]
 
 # Eigenfunctions whose signs are enumerated, and at the end of the growth.
 _ENUMERATED = 8

@@ -8,11 +8,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy import sparse
 
+from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices, frozen
-
-FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int64]
 
 _SIDES = ((0, 1), (1, 2), (2, 0))
 
@@ -80,13 +79,13 @@ def barycentric_map(positions: npt.ArrayLike, p2p: npt.ArrayLike, y: Surface, ri
     points = np.asarray(positions, dtype=np.float64)
     images = checked_indices(p2p, y.n_vertices, "p2p")
     if points.shape != (len(images), 3):
-        raise ValueError(f"positions have shape {points.shape}, expected ({len(images)}, 3): one for each of p2p")
+        raise ParameterError(f"positions have shape {points.shape}, expected ({len(images)}, 3): one for each of p2p")
     if rings < 1:
-        raise ValueError(f"at least one ring of triangles must be looked at, got {rings}")
+        raise ParameterError(f"at least one ring of triangles must be looked at, got {rings}")
     around = _faces_around(y, rings)[images]
     count = np.diff(around.indptr)
     if not count.all():
-        raise ValueError(f"vertex {images[count.argmin()]} of Y, to which p2p leads, has no triangle")
+        raise ParameterError(f"vertex {images[count.argmin()]} of Y, to which p2p leads, has no triangle")
     owner, face = np.repeat(np.arange(len(points)), count), around.indices.astype(np.int64)
     weights, gap = nearest_in_triangles(points[owner], y.vertices[y.faces[face]])
     # The nearest triangle of each owner, the first of equals.

@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int64]
+from qgeo_filters._typing import IndexArray
+from qgeo_filters.errors import ParameterError
 
 # Rows of the similarity matrix at once.
 _BLOCK = 1024
@@ -96,5 +96,5 @@ def upsampled(
             p2p = nearest(basis_x[points, :width] @ result, basis_y[:, :width])
         result = orthogonal(functional_map(basis_x[points, :k], basis_y[:, :k], p2p))
     if result is None:
-        raise ValueError("spectral upsampling needs at least one number of eigenfunctions")
+        raise ParameterError("spectral upsampling needs at least one number of eigenfunctions")
     return result

@@ -7,8 +7,7 @@ import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
-FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int64]
+from qgeo_filters._typing import FloatArray, IndexArray
 
 # Partners that are considered for each point.
 _PARTNERS = 12

@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from qgeo_filters._typing import IndexArray
 from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.initialization.candidates import Candidate, between, distortion, mapped_points
 from qgeo_filters.matching.initialization.sign_search import differ
 from qgeo_filters.matching.prepared_shape import Descriptor
 from qgeo_filters.matching.selection.signatures import likeness, relief_likeness
 from qgeo_filters.matching.smooth_shells import RECONSIDERING, SETTLING, TRIAL, Finished, Pass, factorised, finished
-
-IndexArray = npt.NDArray[np.int64]
 
 # Contenders that are tried, and how much more than the best they may distort distances.
 _CONTENDERS = 10

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from qgeo_filters._typing import IndexArray
 from qgeo_filters.matching.initialization.candidates import between
 from qgeo_filters.matching.prepared_shape import Descriptor
-
-IndexArray = npt.NDArray[np.int64]
 
 # Images this far apart, in sqrt(area), are different; the least share of the area where they are.
 _DIFFERENT, _LEAST_AREA = 0.2, 0.02

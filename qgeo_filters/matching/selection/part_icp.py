@@ -5,17 +5,14 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
+from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.initialization.agd_extrema import extremities
 from qgeo_filters.matching.prepared_shape import Descriptor
 from qgeo_filters.matching.smooth_shells import Finished
-
-FloatArray = npt.NDArray[np.float64]
-IndexArray = npt.NDArray[np.int64]
 
 # A part is what lies this near to an extremity, in sqrt(area); the map is bent around it, up to this many times that.
 _RADIUS, _REACH = 0.2, 1.5

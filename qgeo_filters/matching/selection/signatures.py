@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.matching.prepared_shape import Descriptor
-
-FloatArray = npt.NDArray[np.float64]
 
 # Of the times of heat the last ones: the first one tells right maps from wrong ones, but varies between poses.
 _TIMES = slice(1, None)
