@@ -22,7 +22,7 @@ from qgeo_filters.evaluation.datasets import PointMap
 from qgeo_filters.evaluation.runner import by_target
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.matching.correspondence import _competing
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.selection.cost import contenders, settled
 from qgeo_filters.matching.selection.decision import _close
 
@@ -51,12 +51,12 @@ def main() -> None:
 
 
 def _row(data: ToscaRemeshed, category: str, pairs: list[tuple[str, str]]) -> None:
-    shapes: dict[str, Descriptor] = {}
+    shapes: dict[str, PreparedShape] = {}
     ruler: tuple[str, np.ndarray] = ("", np.zeros((0, 0)))
     ratios, chosen = [], []
     for a, b in pairs:
         for name in (a, b):
-            shapes.setdefault(name, Descriptor(data.read(name)))
+            shapes.setdefault(name, PreparedShape(data.read(name)))
         if ruler[0] != b:
             ruler = (b, distance_matrix(shapes[b].surface))
         costs, errors = _contending(shapes[a], shapes[b], data.truth(a, b), ruler[1])
@@ -70,7 +70,9 @@ def _row(data: ToscaRemeshed, category: str, pairs: list[tuple[str, str]]) -> No
     print(f"| {category} | {len(pairs)} | {len(ratios)} | {' | '.join(least + means)} |", flush=True)
 
 
-def _contending(x: Descriptor, y: Descriptor, truth: PointMap, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _contending(
+    x: PreparedShape, y: PreparedShape, truth: PointMap, matrix: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Costs (c, 4) of the contenders by each rule, and their errors (c,)."""
     pool, mirrored = _competing(x, y)
     target = y.mirrored if mirrored else y

@@ -73,7 +73,7 @@ def mirrored(surface: qg.Surface) -> qg.Surface:
 def controls(kind: Callable[[int], Radius], seed: int) -> Iterator[tuple[str, bool, str]]:
     """What is asked, whether the answer was yes, and what was said."""
     surface, directions = star(kind(seed), 0)
-    shape = qg.Descriptor(surface)
+    shape = qg.PreparedShape(surface)
     symmetry = qg.self_symmetry(shape)
     yield "has a symmetry", symmetry.found, symmetry.reason
     found = qg.match(shape, mirrored(surface))

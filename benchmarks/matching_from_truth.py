@@ -18,7 +18,7 @@ from geodesics_common import machine
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
 from qgeo_filters.evaluation.datasets import PointMap
 from qgeo_filters.matching.maps.functional_map import nearest, upsampled
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.smooth_shells import ENDING, SETTLING, finished
 
 PAIRS = [
@@ -28,7 +28,7 @@ PAIRS = [
 SIZES = (20, 30, 45, 65, 90, 120, 160, 200)
 
 
-def zoomed_out(x: Descriptor, y: Descriptor, p2p: np.ndarray) -> np.ndarray:
+def zoomed_out(x: PreparedShape, y: PreparedShape, p2p: np.ndarray) -> np.ndarray:
     """ZoomOut (spectral upsampling) of a map between all vertices."""
     functional = upsampled(x.laplacian, y.laplacian, p2p, np.arange(x.n_vertices), SIZES)
     return nearest(x.laplacian @ functional, y.laplacian)
@@ -46,7 +46,7 @@ def main() -> None:
     print("| --- | ---: | ---: | ---: |")
     rows = []
     for pair in arguments.pairs:
-        x, y = (Descriptor(data.read(name)) for name in pair.split("-"))
+        x, y = (PreparedShape(data.read(name)) for name in pair.split("-"))
         truth = data.truth(*pair.split("-"))
         start = np.zeros(x.n_vertices, dtype=np.int64)
         start[truth.points] = truth.images
@@ -60,7 +60,7 @@ def main() -> None:
     print(_line("mean", np.mean(rows, axis=0)))
 
 
-def _error(p2p: np.ndarray, truth: PointMap, y: Descriptor) -> float:
+def _error(p2p: np.ndarray, truth: PointMap, y: PreparedShape) -> float:
     return float(geodesic_error(p2p[truth.points], truth.images, y.surface).mean())
 
 

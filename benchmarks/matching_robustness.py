@@ -33,7 +33,7 @@ class Cell:
     images: np.ndarray | None = None
 
 
-def measured(x: qg.Descriptor, y: qg.Surface, changed: Changed, truth: np.ndarray, mirror: np.ndarray) -> Cell:
+def measured(x: qg.PreparedShape, y: qg.Surface, changed: Changed, truth: np.ndarray, mirror: np.ndarray) -> Cell:
     """Error of the map to the changed mesh, measured on the mesh before, and what `match` says of it."""
     try:
         found, seconds = cpu(lambda: qg.match(x, changed.surface))
@@ -69,7 +69,7 @@ def main() -> None:
     table: dict[str, list[str]] = {name: [] for name in arguments.changes}
     for pair in arguments.pairs:
         one, other = pair.split("-")
-        x, y = qg.Descriptor(data.read(one)), data.read(other)
+        x, y = qg.PreparedShape(data.read(one)), data.read(other)
         truth, mirror = data.truth(one, other).images, data.symmetry(other).images
         first = None
         for seed, (name, change) in enumerate(CHANGES.items()):

@@ -16,7 +16,7 @@ from typing import TypeVar
 
 from qgeo_filters.evaluation import ToscaRemeshed
 from qgeo_filters.matching.correspondence import match
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.parallel import worker_count
 
@@ -44,7 +44,7 @@ def main() -> None:
     print("| pair | vertices | descriptor of X | of Y | self-symmetry of Y | match |")
     print("| --- | ---: | ---: | ---: | ---: | ---: |")
     for pair in arguments.pairs:
-        (x, of_x), (y, of_y) = (timed(Descriptor(data.read(name)).prepared) for name in pair.split("-"))
+        (x, of_x), (y, of_y) = (timed(PreparedShape(data.read(name)).prepared) for name in pair.split("-"))
         _, symmetry = timed(lambda y=y: self_symmetry(y))
         _, matching = timed(lambda x=x, y=y: match(x, y))
         print(f"| {pair} | {x.n_vertices}, {y.n_vertices} | {of_x} | {of_y} | {symmetry} | {matching} |", flush=True)

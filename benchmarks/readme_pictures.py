@@ -20,7 +20,7 @@ import qgeo_filters as qg
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.cli.demo import cow
 from qgeo_filters.matching.correspondence import match
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.report import figures
 from qgeo_filters.surface import Surface
@@ -96,7 +96,7 @@ def main(folder: Path) -> None:
     nose, tail = np.unravel_index(int(matrix.argmax()), matrix.shape)
     path = qg.quasi_geodesic(surface, int(nose), int(tail))
     write(figures.plot_path(surface, path), folder / "path.png")
-    descriptor = Descriptor(surface)
+    descriptor = PreparedShape(surface)
     symmetry = self_symmetry(descriptor)
     sys.stdout.write(f"symmetry: {symmetry.reason}\n")
     write(figures.plot_symmetry(surface, p2p=symmetry.nearest), folder / "symmetry.png")

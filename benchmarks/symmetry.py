@@ -12,7 +12,7 @@ import argparse
 import time
 
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.symmetry import self_symmetry
 
 
@@ -26,7 +26,7 @@ def main() -> None:
     print("| shape | found | involution | nearest vertex | distortion | CPU s |")
     print("| --- | --- | ---: | ---: | ---: | ---: |")
     for name in arguments.shapes or data.names():
-        shape = Descriptor(data.read(name)).prepared()
+        shape = PreparedShape(data.read(name)).prepared()
         start = time.process_time()
         found = self_symmetry(shape)
         seconds = time.process_time() - start

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from qgeo_filters.cli.job import Job
-    from qgeo_filters.matching.correspondence import Correspondence
+    from qgeo_filters.matching.correspondence import MatchResult
     from qgeo_filters.surface import Surface
 
 
@@ -50,7 +50,7 @@ def match(
     from qgeo_filters.cli.job import Job
     from qgeo_filters.evaluation.errors import geodesic_error
     from qgeo_filters.matching.correspondence import match as correspondence_of
-    from qgeo_filters.matching.prepared_shape import Descriptor, check_same_size
+    from qgeo_filters.matching.prepared_shape import PreparedShape, check_same_size
 
     parameters = {"normalize": normalize, "truth": None if truth is None else str(truth), "repair": repair}
     job = Job("match", Settings(output, quiet, json, repair, pictures), parameters)
@@ -58,7 +58,7 @@ def match(
     target = None if truth is None else read_truth(truth, shapes[0].n_vertices, shapes[1].n_vertices)
     if not normalize:
         check_same_size(*shapes)
-    a, b = (Descriptor(shape, progress=job.progress) for shape in shapes)
+    a, b = (PreparedShape(shape, progress=job.progress) for shape in shapes)
     for name, descriptor in zip(("X", "Y"), (a, b), strict=True):
         with job.stage(f"spectra of {name}"):
             descriptor.prepared()
@@ -128,7 +128,7 @@ def read_truth(path: Path, n_x: int, n_y: int) -> np.ndarray:
     return checked_indices(values, n_y, str(path))
 
 
-def match_results(found: Correspondence) -> dict[str, Any]:
+def match_results(found: MatchResult) -> dict[str, Any]:
     """Numbers of a correspondence for result.json; distortions in units of sqrt(area)."""
     import numpy as np
 
@@ -157,7 +157,7 @@ def error_results(errors: np.ndarray) -> dict[str, Any]:
     return {"mean_error": summary.mean, "median_error": summary.median, "max_error": summary.maximum, **shares}
 
 
-def draw_match(job: Job, x: Surface, y: Surface, found: Correspondence, errors: np.ndarray | None) -> None:
+def draw_match(job: Job, x: Surface, y: Surface, found: MatchResult, errors: np.ndarray | None) -> None:
     """Pictures of the map, of its regions, its distortion, and its errors where the truth is known."""
     from qgeo_filters.report.curves import plot_error_curve, plot_histogram
     from qgeo_filters.report.figures import plot_correspondence, plot_scalar

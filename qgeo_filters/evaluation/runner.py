@@ -23,7 +23,7 @@ from qgeo_filters.evaluation.errors import SymmetricErrors, geodesic_error, symm
 from qgeo_filters.evaluation.tables import PairResult
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.matching.correspondence import match
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.surface import Surface
 
@@ -126,7 +126,7 @@ def measured(
     """
     pairs = list(pairs)
     awaited = Counter(name for pair in pairs for name in pair)
-    shapes: dict[str, Descriptor] = {}
+    shapes: dict[str, PreparedShape] = {}
     ruler = _Ruler()
     for x, y in pairs:
         name = f"{x} - {y}" if what == "match" else f"symmetry of {x}"
@@ -134,7 +134,7 @@ def measured(
         try:
             for one in (x, y):
                 if one not in shapes:
-                    shapes[one] = Descriptor(data.read(one))
+                    shapes[one] = PreparedShape(data.read(one))
             truth = data.truth(x, y) if what == "match" else data.symmetry(x)
             mirror = _mirror(data, y) if what == "match" else None
             key = _key(what, shapes[x], shapes[y], truth, mirror)
@@ -177,8 +177,8 @@ class _Ruler:
 def _measured(
     name: str,
     category: str,
-    x: Descriptor,
-    y: Descriptor,
+    x: PreparedShape,
+    y: PreparedShape,
     truth: PointMap,
     mirror: PointMap | None,
     what: What,
@@ -211,7 +211,7 @@ def _mirror(data: Dataset, name: str) -> PointMap | None:
         return None
 
 
-def _key(what: What, x: Descriptor, y: Descriptor, truth: PointMap, mirror: PointMap | None) -> str:
+def _key(what: What, x: PreparedShape, y: PreparedShape, truth: PointMap, mirror: PointMap | None) -> str:
     shapes = [array for shape in (x.surface, y.surface) for array in (shape.vertices, shape.faces)]
     maps = [array for one in (truth, mirror) if one for array in (one.points, one.images)]
     return content_key(what, _code(), shapes, maps)

@@ -12,8 +12,8 @@ from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import LiftedMetric
-from qgeo_filters.matching.correspondence import Correspondence, match
-from qgeo_filters.matching.prepared_shape import METRIC_WEIGHTS, Descriptor, check_same_size
+from qgeo_filters.matching.correspondence import MatchResult, match
+from qgeo_filters.matching.prepared_shape import METRIC_WEIGHTS, PreparedShape, check_same_size
 from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
 from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum
 from qgeo_filters.surface import Surface
@@ -67,23 +67,25 @@ def spectrum_of(
     return cache.get(key, compute)
 
 
-def descriptor_of(surface: Surface, progress: bool = False) -> Descriptor:
-    """The surface prepared for matching, see `Descriptor`; it shares its distances with the other stages."""
+def prepared_shape_of(surface: Surface, progress: bool = False) -> PreparedShape:
+    """The surface prepared for matching, see `PreparedShape`; it shares its distances with the other stages."""
     # The weights enter these keys: a cache on disk outlives the version that filled it.
     key = content_key("descriptor", surface.vertices, surface.faces, METRIC_WEIGHTS)
     matrix = partial(matrix_of, method="graph", accuracy=1e-3, progress=progress)
-    return cache.get(key, lambda: Descriptor(surface, weights=METRIC_WEIGHTS, matrix=matrix).prepared())
+    return cache.get(key, lambda: PreparedShape(surface, weights=METRIC_WEIGHTS, matrix=matrix).prepared())
 
 
 def symmetry_of(surface: Surface, progress: bool = False) -> Symmetry:
     """Self-symmetry of a surface, see `self_symmetry`."""
     key = content_key("symmetry", surface.vertices, surface.faces, METRIC_WEIGHTS)
-    return cache.get(key, lambda: self_symmetry(descriptor_of(surface, progress)))
+    return cache.get(key, lambda: self_symmetry(prepared_shape_of(surface, progress)))
 
 
-def correspondence_of(x: Surface, y: Surface, normalize: bool, progress: bool = False) -> Correspondence:
+def correspondence_of(x: Surface, y: Surface, normalize: bool, progress: bool = False) -> MatchResult:
     """Correspondence of two surfaces, see `match`."""
     if not normalize:
         check_same_size(x, y)  # before descriptors are made
     key = content_key("correspondence", x.vertices, x.faces, y.vertices, y.faces, normalize, METRIC_WEIGHTS)
-    return cache.get(key, lambda: match(descriptor_of(x, progress), descriptor_of(y, progress), normalize=normalize))
+    return cache.get(
+        key, lambda: match(prepared_shape_of(x, progress), prepared_shape_of(y, progress), normalize=normalize)
+    )

@@ -12,7 +12,7 @@ from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter, registered
 from qgeo_filters.hosts.dispatch import as_surface
-from qgeo_filters.matching.correspondence import Correspondence as MatchResult
+from qgeo_filters.matching.correspondence import MatchResult
 from qgeo_filters.matching.maps.barycentric import BarycentricMap, nearest_in_triangles
 from qgeo_filters.surface import Surface
 

@@ -170,9 +170,9 @@ def _default_maps(poses: list[Surface], first: int, progress: bool) -> list[Inde
     if all(pose.n_vertices == n and np.array_equal(pose.faces, faces) for pose in poses):
         return [np.arange(n)] * len(poses)
     from qgeo_filters.matching.correspondence import match
-    from qgeo_filters.matching.prepared_shape import Descriptor
+    from qgeo_filters.matching.prepared_shape import PreparedShape
 
-    reference = Descriptor(poses[first], progress=progress)
+    reference = PreparedShape(poses[first], progress=progress)
     return [
         np.arange(n) if number == first else match(reference, pose, progress=progress).p2p
         for number, pose in enumerate(poses)

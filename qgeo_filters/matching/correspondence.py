@@ -13,7 +13,7 @@ from qgeo_filters.matching.initialization.candidates import Candidate, candidate
 from qgeo_filters.matching.maps.barycentric import BarycentricMap, barycentric_map
 from qgeo_filters.matching.maps.functional_map import functional_map
 from qgeo_filters.matching.maps.orientation import orientation
-from qgeo_filters.matching.prepared_shape import Descriptor, check_same_size
+from qgeo_filters.matching.prepared_shape import PreparedShape, check_same_size
 from qgeo_filters.matching.regions import eigenfunction_regions
 from qgeo_filters.matching.selection.decision import Decision, decided
 from qgeo_filters.matching.selection.signatures import likeness
@@ -34,7 +34,7 @@ _ORIENTED = 0.3
 
 
 @dataclass(frozen=True, eq=False)
-class Correspondence:
+class MatchResult:
     """Map from each vertex of X to a vertex of Y.
 
     Attributes
@@ -91,13 +91,13 @@ class Correspondence:
 
 
 def match(
-    x: Surface | Descriptor, y: Surface | Descriptor, *, normalize: bool = True, progress: bool = False
-) -> Correspondence:
+    x: Surface | PreparedShape, y: Surface | PreparedShape, *, normalize: bool = True, progress: bool = False
+) -> MatchResult:
     """Correspondence between two shapes that bend into each other, with no initial map.
 
     Parameters
     ----------
-    x, y : Surface or Descriptor
+    x, y : Surface or PreparedShape
         In one piece, manifold, oriented; any triangulation, position and number of vertices. Pass descriptors
         where a shape takes part in several matches: all that belongs to one shape is computed once.
     normalize : bool
@@ -108,12 +108,12 @@ def match(
 
     Returns
     -------
-    Correspondence
+    MatchResult
 
     Raises
     ------
     MeshError
-        See `Descriptor`.
+        See `PreparedShape`.
     ValueError
         Shapes of different size with ``normalize=False``.
 
@@ -127,7 +127,7 @@ def match(
     alike (`decided`), and is finished on all vertices (`finished`). The result does not depend on the signs
     and order that a solver returns, nor on position and size.
     """
-    a, b = Descriptor.of(x, progress), Descriptor.of(y, progress)
+    a, b = PreparedShape.of(x, progress), PreparedShape.of(y, progress)
     if not normalize:
         check_same_size(a.surface, b.surface)
     with tqdm(total=4, desc="describe X", disable=not progress) as bar:
@@ -147,7 +147,7 @@ def _next(bar: tqdm, stage: str) -> None:
     bar.set_description(stage)
 
 
-def _competing(x: Descriptor, y: Descriptor) -> tuple[list[Candidate], bool]:
+def _competing(x: PreparedShape, y: PreparedShape) -> tuple[list[Candidate], bool]:
     """Maps that keep the orientation; or those that reverse it, and True, if none of the former keeps distances."""
     proposed = candidates(x, y)
     kept = [c for c in proposed if c.orientation > 0]
@@ -164,7 +164,7 @@ def _competing(x: Descriptor, y: Descriptor) -> tuple[list[Candidate], bool]:
     return (reversing if mirrored else kept), mirrored
 
 
-def _twin(x: Descriptor, y: Descriptor, c: Candidate, symmetry: Symmetry, onto: bool) -> Candidate:
+def _twin(x: PreparedShape, y: PreparedShape, c: Candidate, symmetry: Symmetry, onto: bool) -> Candidate:
     """The mirrored twin of a candidate, by the symmetry of Y, or of X if not ``onto``."""
     if onto:
         p2p = symmetry.nearest[c.p2p]
@@ -174,7 +174,7 @@ def _twin(x: Descriptor, y: Descriptor, c: Candidate, symmetry: Symmetry, onto: 
     return Candidate(p2p, distortion(x, y, p2p), -c.orientation)
 
 
-def _described(x: Descriptor, y: Descriptor, decision: Decision, mirrored: bool) -> Correspondence:
+def _described(x: PreparedShape, y: PreparedShape, decision: Decision, mirrored: bool) -> MatchResult:
     result, margin = decision.result, decision.margin
     p2p = result.p2p
     probes = x.samples[:_PROBES]
@@ -189,7 +189,7 @@ def _described(x: Descriptor, y: Descriptor, decision: Decision, mirrored: bool)
     centre = y.surface.vertex_areas @ y.surface.vertices / y.surface.area
     positions = result.positions * flip * y.scale + centre
     regions_x, regions_y = eigenfunction_regions(phi_x, phi_y, p2p, x.areas)
-    return Correspondence(
+    return MatchResult(
         p2p=frozen(p2p),
         inverse=frozen(result.inverse),
         functional_map=frozen(functional_map(phi_x, phi_y, p2p, x.areas)),

@@ -70,7 +70,7 @@ class MetricView:
     rows: SingleArray
 
 
-class Descriptor:
+class PreparedShape:
     """A shape prepared for matching: unit-area copy, distances, spectra, farthest points; each on first use.
 
     Parameters
@@ -117,14 +117,14 @@ class Descriptor:
         self._progress = progress
 
     def __repr__(self) -> str:
-        return f"Descriptor({self.surface!r}, weights={self.weights})"
+        return f"PreparedShape({self.surface!r}, weights={self.weights})"
 
     @classmethod
-    def of(cls, shape: Surface | Descriptor, progress: bool = False) -> Descriptor:
+    def of(cls, shape: Surface | PreparedShape, progress: bool = False) -> PreparedShape:
         """The descriptor itself, or that of a surface."""
-        return shape if isinstance(shape, Descriptor) else cls(shape, progress=progress)
+        return shape if isinstance(shape, PreparedShape) else cls(shape, progress=progress)
 
-    def prepared(self) -> Descriptor:
+    def prepared(self) -> PreparedShape:
         """The same descriptor, with everything that matching takes from it computed now."""
         # Cached properties: looking at one computes it.
         for name in ("views", "laplacian", "normals", "heat_kernels", "relief"):
@@ -207,9 +207,9 @@ class Descriptor:
         return Rigidity(self.unit.vertices, self.unit.faces)
 
     @cached_property
-    def mirrored(self) -> Descriptor:
+    def mirrored(self) -> PreparedShape:
         """Its image in a mirror, vertex by vertex: intrinsically the same, and nothing is computed again."""
-        other = object.__new__(Descriptor)
+        other = object.__new__(PreparedShape)
         other.__dict__.update({key: value for key, value in self.__dict__.items() if key not in _EXTRINSIC})
         # Reflected faces turn over, so that normals keep pointing out.
         flip = np.array([-1.0, 1.0, 1.0])

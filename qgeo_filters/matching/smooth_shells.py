@@ -10,7 +10,7 @@ import numpy as np
 from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
 from qgeo_filters.matching.initialization.sign_search import Hypothesis
 from qgeo_filters.matching.maps.functional_map import functional_map, nearest, nearest_both, upsampled
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 
 # Farthest points on which the eigenfunctions of the distances are brought together.
 _GROWTH_POINTS = 800
@@ -95,7 +95,7 @@ class Finished:
     embedding_y: SingleArray
 
 
-def grown(x: Descriptor, y: Descriptor, hypothesis: Hypothesis, vertices: IndexArray) -> IndexArray:
+def grown(x: PreparedShape, y: PreparedShape, hypothesis: Hypothesis, vertices: IndexArray) -> IndexArray:
     """Images (s,) of some vertices of X, by spectral upsampling over the eigenfunctions of the distances."""
     phi_x, phi_y = (shape.views[hypothesis.metric].eigenfunctions for shape in (x, y))
     width = min(phi_x.shape[1], phi_y.shape[1])
@@ -108,7 +108,7 @@ def grown(x: Descriptor, y: Descriptor, hypothesis: Hypothesis, vertices: IndexA
     return nearest(phi_x[vertices, :k] @ functional, phi_y[:, :k])
 
 
-def spread(x: Descriptor, y: Descriptor, hypothesis: Hypothesis, vertices: IndexArray) -> IndexArray:
+def spread(x: PreparedShape, y: PreparedShape, hypothesis: Hypothesis, vertices: IndexArray) -> IndexArray:
     """Images (s,) of some vertices of X, by the first eigenfunctions of the Laplacian."""
     points = hypothesis.points
     left, right = x.laplacian[:, :_SPREAD], y.laplacian[:, :_SPREAD]
@@ -116,8 +116,8 @@ def spread(x: Descriptor, y: Descriptor, hypothesis: Hypothesis, vertices: Index
 
 
 def finished(
-    x: Descriptor,
-    y: Descriptor,
+    x: PreparedShape,
+    y: PreparedShape,
     p2p: IndexArray,
     passes: tuple[Pass, ...] = SETTLING + ENDING,
     points: IndexArray | None = None,
@@ -142,7 +142,7 @@ def finished(
     return Finished(state.forth, state.back, state.positions, *state.embeddings)
 
 
-def factorised(x: Descriptor, y: Descriptor, passes: tuple[Pass, ...], points: IndexArray | None = None) -> None:
+def factorised(x: PreparedShape, y: PreparedShape, passes: tuple[Pass, ...], points: IndexArray | None = None) -> None:
     """Factorise in this thread what `finished` will solve with these passes.
 
     SciPy leaks the memory of a factorisation that is made in one thread and dropped in another one.
@@ -165,7 +165,7 @@ class _Step:
     coarse: bool
 
 
-def _steps(x: Descriptor, y: Descriptor, passes: tuple[Pass, ...]) -> Iterator[_Step]:
+def _steps(x: PreparedShape, y: PreparedShape, passes: tuple[Pass, ...]) -> Iterator[_Step]:
     for number, stage in enumerate(passes):
         sizes = [k for k in stage.sizes if k <= min(x.laplacian.shape[1], y.laplacian.shape[1])]
         for place, k in enumerate(sizes):
@@ -174,7 +174,7 @@ def _steps(x: Descriptor, y: Descriptor, passes: tuple[Pass, ...]) -> Iterator[_
             yield _Step(k, length, stage, fresh=place == 0, coarse=k < stage.full and not final)
 
 
-def _matched(shape: Descriptor, step: _Step) -> IndexArray:
+def _matched(shape: PreparedShape, step: _Step) -> IndexArray:
     """The vertices that the step matches."""
     return shape.samples[:_COARSE] if step.coarse else np.arange(shape.n_vertices)
 
@@ -182,7 +182,7 @@ def _matched(shape: Descriptor, step: _Step) -> IndexArray:
 class _State:
     """Matches in both directions, and the deformed shape; changed by each step."""
 
-    def __init__(self, x: Descriptor, y: Descriptor, p2p: IndexArray, points: IndexArray | None) -> None:
+    def __init__(self, x: PreparedShape, y: PreparedShape, p2p: IndexArray, points: IndexArray | None) -> None:
         self.x, self.y = x, y
         self.points_x, self.forth = np.arange(x.n_vertices) if points is None else points, p2p
         self.points_y, self.back = np.zeros(0, np.int64), np.zeros(0, np.int64)
@@ -245,14 +245,14 @@ class _State:
         return targets, _mass(self.x, self.points_x)
 
 
-def _mass(shape: Descriptor, points: IndexArray) -> FloatArray:
+def _mass(shape: PreparedShape, points: IndexArray) -> FloatArray:
     """Area for which each vertex stands, (n,), 0 where it is none of the points."""
     mass = np.zeros(shape.n_vertices)
     mass[points] = _shares(shape, points)
     return mass
 
 
-def _shares(shape: Descriptor, points: IndexArray) -> FloatArray:
+def _shares(shape: PreparedShape, points: IndexArray) -> FloatArray:
     """Part of the area for which each point stands: its own where all vertices take part, equal parts otherwise."""
     if len(points) == shape.n_vertices:
         return shape.areas[points]

@@ -13,7 +13,7 @@ from qgeo_filters.matching.initialization.candidates import candidates
 from qgeo_filters.matching.maps.functional_map import nearest
 from qgeo_filters.matching.maps.involution import paired
 from qgeo_filters.matching.maps.orientation import orientation
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.selection.decision import decided
 from qgeo_filters.matching.selection.signatures import likeness
 from qgeo_filters.matching.smooth_shells import Finished
@@ -83,7 +83,7 @@ class Symmetry:
     regions: npt.NDArray[np.int32]
 
 
-def self_symmetry(shape: Surface | Descriptor, *, tolerance: float = TOLERANCE, progress: bool = False) -> Symmetry:
+def self_symmetry(shape: Surface | PreparedShape, *, tolerance: float = TOLERANCE, progress: bool = False) -> Symmetry:
     """Intrinsic left/right symmetry of a shape: mirror vertex, side and asymmetry of each vertex.
 
     The search of `match` is run from the shape to its own image in a mirror: maps that keep the orientation
@@ -92,7 +92,7 @@ def self_symmetry(shape: Surface | Descriptor, *, tolerance: float = TOLERANCE, 
 
     Parameters
     ----------
-    shape : Surface or Descriptor
+    shape : Surface or PreparedShape
         In one piece, manifold, oriented. A descriptor remembers its symmetry.
     tolerance : float
         Mean distortion of distances, in units of sqrt(area), up to which a map counts as a symmetry.
@@ -108,18 +108,18 @@ def self_symmetry(shape: Surface | Descriptor, *, tolerance: float = TOLERANCE, 
     Raises
     ------
     MeshError
-        See `Descriptor`.
+        See `PreparedShape`.
     """
     if not 0 < tolerance < np.inf:
         raise ParameterError(f"the tolerance must be a positive fraction of sqrt(area), got {tolerance!r}")
-    descriptor = Descriptor.of(shape, progress)
+    descriptor = PreparedShape.of(shape, progress)
     kept = descriptor.__dict__.setdefault("_symmetries", {})
     if tolerance not in kept:
         kept[tolerance] = _found(descriptor, tolerance)
     return kept[tolerance]
 
 
-def _found(x: Descriptor, tolerance: float) -> Symmetry:
+def _found(x: PreparedShape, tolerance: float) -> Symmetry:
     reflections = [c for c in candidates(x, x.mirrored, identity=False) if c.orientation > 0]
     if not reflections:
         return _none(x, "no map of the shape to its mirror image keeps distances even roughly")
@@ -148,7 +148,7 @@ def _found(x: Descriptor, tolerance: float) -> Symmetry:
     return found
 
 
-def _described(x: Descriptor, result: Finished) -> Symmetry:
+def _described(x: PreparedShape, result: Finished) -> Symmetry:
     # The map and its inverse are the same: matching in both at once makes the costs symmetric.
     first = np.column_stack([result.embedding_x, result.embedding_y])
     second = np.column_stack([result.embedding_y, result.embedding_x])
@@ -175,7 +175,7 @@ def _described(x: Descriptor, result: Finished) -> Symmetry:
     )
 
 
-def _sides(x: Descriptor, p2p: IndexArray) -> npt.NDArray[np.int8]:
+def _sides(x: PreparedShape, p2p: IndexArray) -> npt.NDArray[np.int8]:
     """Side of each vertex, (n,): 1, -1, and 0 along the axis.
 
     A shortest path from one side to a point of the other crosses the axis, where the point and its mirror
@@ -195,7 +195,7 @@ def _sides(x: Descriptor, p2p: IndexArray) -> npt.NDArray[np.int8]:
     return side
 
 
-def _none(x: Descriptor, reason: str) -> Symmetry:
+def _none(x: PreparedShape, reason: str) -> Symmetry:
     n = x.n_vertices
     identity = frozen(np.arange(n))
     return Symmetry(

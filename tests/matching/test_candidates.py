@@ -12,7 +12,7 @@ from shapes import icosphere
 from qgeo_filters.matching.correspondence import _twin
 from qgeo_filters.matching.initialization.candidates import Candidate, between, candidates, mapped_points
 from qgeo_filters.matching.maps.orientation import orientation
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.surface import Surface
 
@@ -32,9 +32,9 @@ def lopsided(level: int, bend: float) -> Surface:
 
 
 @functools.cache
-def pair() -> tuple[Descriptor, Descriptor]:
+def pair() -> tuple[PreparedShape, PreparedShape]:
     """Two poses of 2562 vertices, equally numbered; fewer points are mapped."""
-    return Descriptor(lopsided(4, 0.0)), Descriptor(lopsided(4, 0.25))
+    return PreparedShape(lopsided(4, 0.0)), PreparedShape(lopsided(4, 0.25))
 
 
 @functools.cache
@@ -57,7 +57,7 @@ def test_the_orientation_over_some_triangles_is_that_over_all() -> None:
     """But for ties, the order of the faces does not matter; and the value is near that of the true map."""
     x, y = pair()
     shuffled = np.random.default_rng(0).permutation(len(x.surface.faces))
-    other = Descriptor(Surface(x.surface.vertices, x.surface.faces[shuffled]))
+    other = PreparedShape(Surface(x.surface.vertices, x.surface.faces[shuffled]))
     for name in ("views", "laplacian"):
         other.__dict__[name] = getattr(x, name)
     other._samples = x._samples

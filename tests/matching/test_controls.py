@@ -13,7 +13,7 @@ from shapes import blob, icosphere, torus
 
 from qgeo_filters.evaluation.errors import geodesic_error
 from qgeo_filters.matching.correspondence import match
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.surface import Surface
 
@@ -76,8 +76,8 @@ def ellipsoid(*axes: float) -> Mesh:
 
 
 @functools.cache
-def described(seed: int) -> Descriptor:
-    return Descriptor(Surface(*crooked(seed)))
+def described(seed: int) -> PreparedShape:
+    return PreparedShape(Surface(*crooked(seed)))
 
 
 @functools.cache
@@ -88,7 +88,7 @@ def cow() -> Surface:
     return Surface(vertices, faces)
 
 
-def assert_none(surface: Surface | Descriptor, reason: str) -> None:
+def assert_none(surface: Surface | PreparedShape, reason: str) -> None:
     found = self_symmetry(surface)
     assert not found.found
     assert reason in found.reason
@@ -160,7 +160,7 @@ def test_different_creatures_are_not_matched_with_confidence() -> None:
 
 
 def test_a_blob_and_another_and_a_torus_are_not_matched_with_confidence() -> None:
-    shape = Descriptor(Surface(*blob(3, 0)))
+    shape = PreparedShape(Surface(*blob(3, 0)))
     assert not match(shape, Surface(*blob(3, 1))).confident
     assert not match(shape, Surface(*torus(32, 16))).confident
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from shapes import icosphere
 
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.selection.fixed_limbs import leaves_limbs
 from qgeo_filters.matching.selection.part_icp import turned_parts
 from qgeo_filters.matching.smooth_shells import Finished
@@ -23,7 +23,7 @@ def test_limbs_mirrored_into_themselves_are_told_from_limbs_exchanged() -> None:
     limbs = np.array([(0.6, 0.7, -0.6), (-0.6, 0.7, -0.6), (0.6, -0.7, -0.6), (-0.6, -0.7, -0.6), (0, 1, 0.4)])
     limbs /= np.linalg.norm(limbs, axis=1, keepdims=True)
     vertices = directions * (0.6 + np.exp(12 * (directions @ limbs.T - 1)) @ [1.2, 1.2, 0.9, 0.9, 0.8])[:, None]
-    shape = Descriptor(Surface(vertices, faces))
+    shape = PreparedShape(Surface(vertices, faces))
     true = nearest(vertices * MIRROR, vertices)
     # The front limbs in planes through their own axes instead.
     false = true.copy()
@@ -50,7 +50,7 @@ def test_a_turned_part_is_turned_back_and_a_right_one_left_alone() -> None:
     x, y, z = vertices.T
     wide = np.where(z > 0.6, 1 + 6 * (z - 0.6), 1.0)
     v = np.column_stack([x * 0.35 * np.where(x > 0, wide, np.sqrt(wide)), y * 0.35 / wide, 1.5 * z])
-    shape = Descriptor(Surface(v, faces))
+    shape = PreparedShape(Surface(v, faces))
     unit, same = shape.unit.vertices, np.arange(len(v))
     nothing = np.zeros((0, 0), np.float32)
     assert turned_parts(shape, shape, Finished(same, same, unit, nothing, nothing)) == []

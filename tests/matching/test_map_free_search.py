@@ -11,7 +11,7 @@ from shapes import grid, icosphere, moebius, torus
 from qgeo_filters.errors import MeshError
 from qgeo_filters.evaluation.errors import geodesic_error
 from qgeo_filters.matching.correspondence import match
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.surface import Surface
 
@@ -36,8 +36,8 @@ def bent(vertices: np.ndarray, amount: float = 0.25) -> np.ndarray:
 
 
 @functools.cache
-def prepared() -> Descriptor:
-    return Descriptor(Surface(*creature()))
+def prepared() -> PreparedShape:
+    return PreparedShape(Surface(*creature()))
 
 
 def mirror_of(vertices: np.ndarray) -> np.ndarray:
@@ -109,11 +109,11 @@ def test_the_same_call_gives_the_same_bits() -> None:
 
 def test_what_cannot_be_matched_is_refused_with_a_sentence() -> None:
     with pytest.raises(MeshError, match="neighbouring faces disagree"):
-        Descriptor(Surface(*moebius()))
+        PreparedShape(Surface(*moebius()))
     with pytest.raises(MeshError, match="at least 60 vertices, got 16"):
-        Descriptor(Surface(*grid(3)))
+        PreparedShape(Surface(*grid(3)))
     with pytest.raises(ValueError, match="weights is empty"):
-        Descriptor(Surface(*creature(2)), weights=())
+        PreparedShape(Surface(*creature(2)), weights=())
     vertices, faces = creature()
     with pytest.raises(ValueError, match="normalize=True"):
         match(prepared(), Surface(2 * vertices, faces), normalize=False)
@@ -122,7 +122,7 @@ def test_what_cannot_be_matched_is_refused_with_a_sentence() -> None:
 
 
 def test_progress_names_the_stages_and_silence_is_silent(capfd: pytest.CaptureFixture[str]) -> None:
-    shape = Descriptor(Surface(*creature(2)))
+    shape = PreparedShape(Surface(*creature(2)))
     match(shape, shape)
     assert capfd.readouterr().err == ""
     match(shape, shape, progress=True)

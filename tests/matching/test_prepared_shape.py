@@ -19,7 +19,7 @@ from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import LiftedMetric
 from qgeo_filters.matching import prepared_shape as module
 from qgeo_filters.matching.correspondence import match
-from qgeo_filters.matching.prepared_shape import METRIC_WEIGHTS, Descriptor
+from qgeo_filters.matching.prepared_shape import METRIC_WEIGHTS, PreparedShape
 from qgeo_filters.surface import Surface
 
 
@@ -67,15 +67,15 @@ def test_a_cache_of_other_weights_is_not_taken(spy: Spy, monkeypatch: pytest.Mon
     first = stages.symmetry_of(shape)
     assert stages.symmetry_of(shape) is first
     monkeypatch.setattr(stages, "METRIC_WEIGHTS", (0.0, 0.2))
-    assert stages.descriptor_of(shape).weights == (0.0, 0.2)
+    assert stages.prepared_shape_of(shape).weights == (0.0, 0.2)
     assert stages.symmetry_of(shape) is not first
     assert sorted(spy.weights) == sorted([*METRIC_WEIGHTS, 0.2])  # that of weight 0 is shared
 
 
 def test_a_descriptor_takes_matrices_from_its_caller(surface: Surface) -> None:
     spy = Spy()
-    given = Descriptor(surface, matrix=spy).prepared()
-    own = Descriptor(surface).prepared()
+    given = PreparedShape(surface, matrix=spy).prepared()
+    own = PreparedShape(surface).prepared()
     assert spy.weights == list(METRIC_WEIGHTS)
     for one, other in zip(given.views, own.views, strict=True):
         np.testing.assert_array_equal(one.eigenvalues, other.eigenvalues)
@@ -86,7 +86,7 @@ def test_a_descriptor_takes_matrices_from_its_caller(surface: Surface) -> None:
 
 def test_the_mirror_image_costs_no_distances(surface: Surface) -> None:
     spy = Spy()
-    shape = Descriptor(surface, matrix=spy).prepared()
+    shape = PreparedShape(surface, matrix=spy).prepared()
     image = shape.mirrored.prepared()
     assert spy.weights == list(METRIC_WEIGHTS)
     assert image.views is shape.views
@@ -97,7 +97,7 @@ def test_the_mirror_image_costs_no_distances(surface: Surface) -> None:
 
 def test_everything_is_that_of_the_shape_at_unit_area(surface: Surface) -> None:
     """The same to the rounding of float32 as computed on a copy of unit area."""
-    shape = Descriptor(surface)
+    shape = PreparedShape(surface)
     unit = Surface((surface.vertices - surface.vertices.mean(axis=0)) / np.sqrt(surface.area), surface.faces)
     assert unit.area == pytest.approx(1)
     np.testing.assert_allclose(shape.areas, unit.vertex_areas, rtol=1e-12)
@@ -113,7 +113,7 @@ def test_everything_is_that_of_the_shape_at_unit_area(surface: Surface) -> None:
 
 
 def test_the_first_eigenfunctions_are_exact_and_the_last_good(surface: Surface) -> None:
-    view = Descriptor(surface, weights=(CURVATURE_WEIGHT,)).views[0]
+    view = PreparedShape(surface, weights=(CURVATURE_WEIGHT,)).views[0]
     matrix = distance_matrix(surface, lifted_metric(surface)).astype(np.float64) / np.sqrt(surface.area)
     root = np.sqrt(surface.vertex_areas / surface.area)
     values, vectors = eigh(root[:, None] * matrix * root)
@@ -137,7 +137,7 @@ def test_shapes_of_different_size_are_refused_before_any_distance(surface: Surfa
 
 def test_a_descriptor_outlives_its_process(surface: Surface) -> None:
     """A cache on disk holds descriptors: with the function that gave them their distances."""
-    shape = stages.descriptor_of(surface)
+    shape = stages.prepared_shape_of(surface)
     again = pickle.loads(pickle.dumps(shape))
     np.testing.assert_array_equal(again.views[1].rows, shape.views[1].rows)
     np.testing.assert_array_equal(again.samples, shape.samples)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from shapes import icosphere, torus
 
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.selection.signatures import likeness, relief_likeness
 from qgeo_filters.surface import Surface
 
@@ -35,15 +35,15 @@ def half_turn(vertices: np.ndarray) -> np.ndarray:
 
 
 @functools.cache
-def described(sign: float) -> Descriptor:
-    return Descriptor(Surface(*pressed(sign)))
+def described(sign: float) -> PreparedShape:
+    return PreparedShape(Surface(*pressed(sign)))
 
 
 def test_relief_of_a_sphere_is_its_curvature_and_that_of_a_torus_follows_the_formula() -> None:
-    sphere = Descriptor(Surface(*icosphere(3)))
+    sphere = PreparedShape(Surface(*icosphere(3)))
     np.testing.assert_allclose(sphere.relief, np.sqrt(4 * np.pi), rtol=0.01)
     vertices, faces = torus(80, 40)
-    ring = Descriptor(Surface(vertices, faces))
+    ring = PreparedShape(Surface(vertices, faces))
     outwards = np.hypot(vertices[:, 0], vertices[:, 1])
     cosine = (outwards - 1.0) / 0.4
     expected = (1.0 + 2 * 0.4 * cosine) / (2 * 0.4 * outwards) * ring.scale
@@ -71,7 +71,7 @@ def test_relief_does_not_change_in_a_mirror_with_the_place_or_with_the_size() ->
     x = described(-1.0)
     np.testing.assert_array_equal(x.mirrored.relief, x.relief)
     vertices, faces = pressed(-1.0)
-    flipped = Descriptor(Surface(vertices * [-1, 1, 1], faces[:, ::-1]))
+    flipped = PreparedShape(Surface(vertices * [-1, 1, 1], faces[:, ::-1]))
     np.testing.assert_allclose(flipped.relief, x.relief, atol=1e-3)
-    moved = Descriptor(Surface(17.0 * vertices + 3, faces))
+    moved = PreparedShape(Surface(17.0 * vertices + 3, faces))
     np.testing.assert_allclose(moved.relief, x.relief, atol=1e-3)

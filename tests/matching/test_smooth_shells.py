@@ -8,17 +8,17 @@ from shapes import blob
 
 from qgeo_filters.deformation import arap
 from qgeo_filters.matching.correspondence import match
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.selection import cost
 from qgeo_filters.matching.smooth_shells import ENDING, RECONSIDERING, SETTLING, TRIAL, Pass, factorised, finished
 from qgeo_filters.surface import Surface
 
 
 @pytest.fixture(scope="module")
-def pair() -> tuple[Descriptor, Descriptor]:
+def pair() -> tuple[PreparedShape, PreparedShape]:
     vertices, faces = blob(3, 0)
     bent = vertices + 0.1 * np.sin(2 * vertices[:, [1, 2, 0]])
-    return Descriptor(Surface(vertices, faces)), Descriptor(Surface(bent, faces))
+    return PreparedShape(Surface(vertices, faces)), PreparedShape(Surface(bent, faces))
 
 
 @pytest.mark.parametrize(
@@ -27,7 +27,7 @@ def pair() -> tuple[Descriptor, Descriptor]:
     ids=["trial", "settling", "reconsidering", "trial and settling", "ending"],
 )
 def test_nothing_is_factorised_in_a_thread(
-    pair: tuple[Descriptor, Descriptor], passes: tuple[Pass, ...], monkeypatch: pytest.MonkeyPatch
+    pair: tuple[PreparedShape, PreparedShape], passes: tuple[Pass, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """SciPy would leak it."""
     x, y = pair
@@ -45,13 +45,13 @@ def test_nothing_is_factorised_in_a_thread(
 
 
 def test_factorisations_are_dropped_when_a_match_is_interrupted(
-    pair: tuple[Descriptor, Descriptor], monkeypatch: pytest.MonkeyPatch
+    pair: tuple[PreparedShape, PreparedShape], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     x, y = pair
     x.rigidity.release()
     used = []
 
-    def interrupted(x: Descriptor, *_: object) -> None:
+    def interrupted(x: PreparedShape, *_: object) -> None:
         used.append(len(x.rigidity._factors))
         raise KeyboardInterrupt
 
@@ -64,7 +64,7 @@ def test_factorisations_are_dropped_when_a_match_is_interrupted(
 
 
 def test_the_map_and_its_inverse_are_nearest_neighbours_in_what_was_compared(
-    pair: tuple[Descriptor, Descriptor],
+    pair: tuple[PreparedShape, PreparedShape],
 ) -> None:
     x, y = pair
     found = finished(x, y, np.arange(x.n_vertices))
@@ -75,7 +75,7 @@ def test_the_map_and_its_inverse_are_nearest_neighbours_in_what_was_compared(
     np.testing.assert_allclose(back, squared.min(axis=0), rtol=1e-4, atol=1e-9)
 
 
-def test_the_order_in_which_points_are_given_does_not_matter(pair: tuple[Descriptor, Descriptor]) -> None:
+def test_the_order_in_which_points_are_given_does_not_matter(pair: tuple[PreparedShape, PreparedShape]) -> None:
     """All vertices as farthest points, in their order: what a shape of few vertices starts from."""
     x, y = pair
     assert len(x.samples) == x.n_vertices
@@ -84,7 +84,7 @@ def test_the_order_in_which_points_are_given_does_not_matter(pair: tuple[Descrip
     np.testing.assert_allclose(other.positions, one.positions, atol=1e-4)
 
 
-def test_some_points_are_enough_to_start_from(pair: tuple[Descriptor, Descriptor]) -> None:
+def test_some_points_are_enough_to_start_from(pair: tuple[PreparedShape, PreparedShape]) -> None:
     x, y = pair
     points = x.samples[:150]
     found = finished(x, y, points, SETTLING, points)

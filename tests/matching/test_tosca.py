@@ -10,14 +10,14 @@ import pytest
 
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error, symmetric_errors
 from qgeo_filters.geodesics.matrix import distances
-from qgeo_filters.matching.correspondence import Correspondence, match
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.correspondence import MatchResult, match
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.surface import Surface
 
 pytestmark = pytest.mark.slow
 
-Prepared = Callable[[str], Descriptor]
+Prepared = Callable[[str], PreparedShape]
 
 
 @pytest.fixture(scope="module")
@@ -30,13 +30,13 @@ def tosca(data_dir: Path) -> ToscaRemeshed:
 
 @pytest.fixture(scope="module")
 def prepared(tosca: ToscaRemeshed) -> Prepared:
-    """Descriptor of a pose, each made once."""
-    made: dict[str, Descriptor] = {}
-    return lambda name: made.setdefault(name, Descriptor(tosca.read(name)))
+    """PreparedShape of a pose, each made once."""
+    made: dict[str, PreparedShape] = {}
+    return lambda name: made.setdefault(name, PreparedShape(tosca.read(name)))
 
 
 @pytest.fixture(scope="module")
-def wolves(prepared: Prepared) -> Correspondence:
+def wolves(prepared: Prepared) -> MatchResult:
     """The map from wolf0 to wolf2."""
     return match(prepared("wolf0"), prepared("wolf2"))
 
@@ -49,7 +49,7 @@ def mean_error(tosca: ToscaRemeshed, x: str, y: str, p2p: np.ndarray) -> float:
     return float(errors.direct.mean())
 
 
-def test_wolves(tosca: ToscaRemeshed, wolves: Correspondence) -> None:
+def test_wolves(tosca: ToscaRemeshed, wolves: MatchResult) -> None:
     assert mean_error(tosca, "wolf0", "wolf2", wolves.p2p) <= 0.005
     assert wolves.confident, wolves.explanation
     assert wolves.orientation > 0.6
@@ -80,7 +80,7 @@ def test_symmetries(tosca: ToscaRemeshed, prepared: Prepared, name: str) -> None
     assert np.array_equal(found.p2p[found.p2p], np.arange(len(found.p2p)))
 
 
-def test_the_map_does_not_depend_on_numbering_place_and_size(prepared: Prepared, wolves: Correspondence) -> None:
+def test_the_map_does_not_depend_on_numbering_place_and_size(prepared: Prepared, wolves: MatchResult) -> None:
     """X renumbered, turned, moved, scaled, and its faces in another order: the same map, renumbered."""
     x = prepared("wolf0").surface
     random = np.random.default_rng(0)

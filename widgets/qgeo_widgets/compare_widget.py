@@ -23,7 +23,7 @@ from qgeo_widgets.vertex_map import VertexMap
 from qgeo_widgets.viewer import Viewer
 
 if TYPE_CHECKING:
-    from qgeo_filters.matching.correspondence import Correspondence
+    from qgeo_filters.matching.correspondence import MatchResult
 
 Pick = tuple[str, int]
 
@@ -70,7 +70,7 @@ class CompareWidget(ShapeWidget):
         with self._guarded():
             self._shapes = Shape(x, "X", curvature_weight), Shape(y, "Y", curvature_weight)
             one, other = surfaces = [shape.surface for shape in self._shapes]
-            self._correspondence: Correspondence | None = None
+            self._correspondence: MatchResult | None = None
             self._map = self._given = VertexMap(one, other, self._matched(progress) if p2p is None else p2p)
             self._truth = None if truth is None else VertexMap(one, other, truth)
             frame_x = frame_of(surfaces[0])

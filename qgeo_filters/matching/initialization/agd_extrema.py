@@ -13,7 +13,7 @@ from qgeo_filters.matching.initialization.sign_search import (
     displacement,
     distinct,
 )
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 
 # Farthest points on either shape.
 _POINTS = 300
@@ -31,7 +31,7 @@ _UNMATCHED = 0.24
 _WORST = 0.5
 
 
-def extremities(shape: Descriptor) -> IndexArray:
+def extremities(shape: PreparedShape) -> IndexArray:
     """Farthest points that are local maxima of the mean distance, by decreasing mean, as places in ``samples``."""
     between = shape.rows[:, shape.samples[: len(shape.rows)]]
     mean = between.mean(axis=1)
@@ -40,7 +40,7 @@ def extremities(shape: Descriptor) -> IndexArray:
     return found[np.argsort(-mean[found], kind="stable")][:_MOST]
 
 
-def extremity_maps(x: Descriptor, y: Descriptor, limit: int = 6, *, identity: bool = True) -> list[Hypothesis]:
+def extremity_maps(x: PreparedShape, y: PreparedShape, limit: int = 6, *, identity: bool = True) -> list[Hypothesis]:
     """Distinct coarse maps from X to Y by increasing distortion, one for each likely matching of extremities.
 
     Each point goes to the one whose distances to the matched extremities are the most alike. With ``identity=False``,
@@ -66,7 +66,9 @@ def extremity_maps(x: Descriptor, y: Descriptor, limit: int = 6, *, identity: bo
     return [Hypothesis(points_x, points_y[maps[i]], float(distortions[i]), 0) for i in kept]
 
 
-def _matchings(x: Descriptor, y: Descriptor, ends_x: IndexArray, ends_y: IndexArray, identity: bool) -> IndexArray:
+def _matchings(
+    x: PreparedShape, y: PreparedShape, ends_x: IndexArray, ends_y: IndexArray, identity: bool
+) -> IndexArray:
     """The cheapest injective matchings (h, len(ends_x)) of extremities, -1 where unmatched, by a beam search."""
     between_x = x.rows[ends_x][:, x.samples[ends_x]]
     between_y = y.rows[ends_y][:, y.samples[ends_y]]

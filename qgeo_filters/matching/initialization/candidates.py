@@ -12,7 +12,7 @@ from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.initialization.agd_extrema import extremity_maps
 from qgeo_filters.matching.initialization.sign_search import search
 from qgeo_filters.matching.maps.orientation import facing
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.smooth_shells import grown, spread
 
 # Maps that distort distances by more than this times the best are not worth growing.
@@ -50,12 +50,12 @@ class Candidate:
     orientation: float
 
 
-def mapped_points(x: Descriptor) -> IndexArray:
+def mapped_points(x: PreparedShape) -> IndexArray:
     """The vertices of X that candidates map: its first farthest points."""
     return x.samples[:_MAPPED]
 
 
-def candidates(x: Descriptor, y: Descriptor, *, identity: bool = True) -> list[Candidate]:
+def candidates(x: PreparedShape, y: PreparedShape, *, identity: bool = True) -> list[Candidate]:
     """Different maps from X to Y, the least distorting first; see `search` for ``identity``.
 
     Maps that neither keep nor reverse the orientation are left out, unless there are no others.
@@ -78,7 +78,7 @@ def candidates(x: Descriptor, y: Descriptor, *, identity: bool = True) -> list[C
     return [c for c in found if abs(c.orientation) > _ONE_SIDED] or found
 
 
-def _largest_triangles(x: Descriptor) -> IndexArray:
+def _largest_triangles(x: PreparedShape) -> IndexArray:
     """The largest triangle at each of the first farthest points, (t, 3)."""
     order = np.argsort(x.unit.face_areas, kind="stable")
     largest = np.empty(x.n_vertices, dtype=np.int64)
@@ -86,7 +86,7 @@ def _largest_triangles(x: Descriptor) -> IndexArray:
     return x.unit.faces[largest[x.samples[:_TRIANGLES]]].astype(np.int64)
 
 
-def distortion(x: Descriptor, y: Descriptor, images: IndexArray) -> float:
+def distortion(x: PreparedShape, y: PreparedShape, images: IndexArray) -> float:
     """Mean |d_X(p, q) - d_Y(Tp, Tq)| over pairs of farthest points, in units of sqrt(area).
 
     One image of each pair is taken to the nearest farthest point of Y, from which distances are at hand.
@@ -102,7 +102,7 @@ def distortion(x: Descriptor, y: Descriptor, images: IndexArray) -> float:
     return float(np.abs(x.rows[:s, x.samples[:s]] - y.rows[near][:, images]).mean())
 
 
-def between(y: Descriptor, one: IndexArray, other: IndexArray) -> SingleArray:
+def between(y: PreparedShape, one: IndexArray, other: IndexArray) -> SingleArray:
     """Distances on Y between the images of two maps (a close lower bound), in units of sqrt(area)."""
     # Distances to a landmark differ by at most the distance, and by nearly as much for one landmark of many.
     rows = y.rows[:100]

@@ -12,7 +12,7 @@ from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
 from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.initialization.distortion import point_distortions
 from qgeo_filters.matching.maps.functional_map import nearest, orthogonal
-from qgeo_filters.matching.prepared_shape import Descriptor, MetricView
+from qgeo_filters.matching.prepared_shape import MetricView, PreparedShape
 
 # Eigenfunctions whose signs are enumerated, and at the end of the growth.
 _ENUMERATED = 8
@@ -55,7 +55,7 @@ class Hypothesis:
     metric: int
 
 
-def search(x: Descriptor, y: Descriptor, limit: int = 24, *, identity: bool = True) -> list[Hypothesis]:
+def search(x: PreparedShape, y: PreparedShape, limit: int = 24, *, identity: bool = True) -> list[Hypothesis]:
     """Distinct coarse maps from X to Y by increasing geodesic distortion, at most ``limit``.
 
     An isometry takes each eigenfunction of the distances to one of the other shape with the same eigenvalue, up to

@@ -60,7 +60,7 @@ def barycentric_map(positions: npt.ArrayLike, p2p: npt.ArrayLike, y: Surface, ri
     Parameters
     ----------
     positions : array-like, shape (n_x, 3)
-        X deformed onto Y, as in `Correspondence.positions`.
+        X deformed onto Y, as in `MatchResult.positions`.
     p2p : array-like of int, shape (n_x,)
         Vertex of Y for each vertex of X.
     y : Surface

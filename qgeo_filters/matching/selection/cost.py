@@ -10,7 +10,7 @@ from qgeo_filters._typing import IndexArray
 from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.initialization.candidates import Candidate, between, distortion, mapped_points
 from qgeo_filters.matching.initialization.sign_search import differ
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.selection.signatures import likeness, relief_likeness
 from qgeo_filters.matching.smooth_shells import RECONSIDERING, SETTLING, TRIAL, Finished, Pass, factorised, finished
 
@@ -69,7 +69,7 @@ class Contender:
         return self.cost * (1 - self.relief + _LEAST_RELIEF) ** 2
 
 
-def contenders(x: Descriptor, y: Descriptor, pool: list[Candidate]) -> list[Contender]:
+def contenders(x: PreparedShape, y: PreparedShape, pool: list[Candidate]) -> list[Contender]:
     """The best different candidates, deformed onto Y on trial, the cheapest first.
 
     A map that is right in one part and wrong in another, such as one that swaps two legs, can keep distances better
@@ -87,14 +87,18 @@ def contenders(x: Descriptor, y: Descriptor, pool: list[Candidate]) -> list[Cont
 
 
 def taken_further(
-    x: Descriptor, y: Descriptor, maps: list[IndexArray], passes: tuple[Pass, ...], points: IndexArray | None = None
+    x: PreparedShape,
+    y: PreparedShape,
+    maps: list[IndexArray],
+    passes: tuple[Pass, ...],
+    points: IndexArray | None = None,
 ) -> list[Contender]:
     """The maps of ``points`` (of all vertices by default) after more passes of the finish, in order, side by side."""
     factorised(x, y, passes, points)
     return concurrently(lambda p2p: _contender(x, y, finished(x, y, p2p, passes, points)), maps)
 
 
-def settled(x: Descriptor, y: Descriptor, maps: list[IndexArray]) -> list[Contender]:
+def settled(x: PreparedShape, y: PreparedShape, maps: list[IndexArray]) -> list[Contender]:
     """The maps (n_x,) where they end, in order, side by side: settled, or reconsidered if that costs less."""
     factorised(x, y, SETTLING)
     factorised(x, y, RECONSIDERING)
@@ -107,7 +111,7 @@ def settled(x: Descriptor, y: Descriptor, maps: list[IndexArray]) -> list[Conten
     return concurrently(ending, maps)
 
 
-def _contender(x: Descriptor, y: Descriptor, result: Finished) -> Contender:
+def _contender(x: PreparedShape, y: PreparedShape, result: Finished) -> Contender:
     p2p = result.p2p
     a, b = p2p[x.unit.edges.T]
     lengths = np.linalg.norm(y.unit.vertices[a] - y.unit.vertices[b], axis=1)

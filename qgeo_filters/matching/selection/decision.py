@@ -8,7 +8,7 @@ import numpy as np
 
 from qgeo_filters.matching.initialization.candidates import Candidate, between
 from qgeo_filters.matching.initialization.sign_search import DISTINCT
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.selection.cost import Contender, contenders, settled, taken_further
 from qgeo_filters.matching.selection.fixed_limbs import leaves_limbs
 from qgeo_filters.matching.selection.part_icp import turned_parts
@@ -52,7 +52,7 @@ class Decision:
 
 
 def decided(
-    x: Descriptor, y: Descriptor, pool: list[Candidate], apart: float = DISTINCT, *, mirror: bool = False
+    x: PreparedShape, y: PreparedShape, pool: list[Candidate], apart: float = DISTINCT, *, mirror: bool = False
 ) -> Decision:
     """The best of the maps, finished on all vertices: of those that cost little on trial the one that ends cheapest.
 
@@ -65,7 +65,7 @@ def decided(
         x.rigidity.release()
 
 
-def _decided(x: Descriptor, y: Descriptor, pool: list[Candidate], apart: float, mirror: bool) -> Decision:
+def _decided(x: PreparedShape, y: PreparedShape, pool: list[Candidate], apart: float, mirror: bool) -> Decision:
     ranked = contenders(x, y, pool)
     if mirror:
         ranked = _reflections(x, ranked)
@@ -87,7 +87,7 @@ def _decided(x: Descriptor, y: Descriptor, pool: list[Candidate], apart: float, 
     return Decision(result, best.distortion, margin, rival.distortion if rival else np.inf)
 
 
-def _close(y: Descriptor, ranked: list[Contender]) -> list[Contender]:
+def _close(y: PreparedShape, ranked: list[Contender]) -> list[Contender]:
     """Those whose cost on trial is near the least, not too many of one kind."""
     close: list[Contender] = []
     for c in ranked:
@@ -98,7 +98,7 @@ def _close(y: Descriptor, ranked: list[Contender]) -> list[Contender]:
     return close
 
 
-def _reflections(x: Descriptor, ranked: list[Contender]) -> list[Contender]:
+def _reflections(x: PreparedShape, ranked: list[Contender]) -> list[Contender]:
     """Those contenders for a reflection of X that may be one, in the same order."""
     alike = [c for c in ranked if c.likeness > _ALIKE] or ranked
 
@@ -109,7 +109,7 @@ def _reflections(x: Descriptor, ranked: list[Contender]) -> list[Contender]:
     return [c for c in alike if not in_place(c)] or alike
 
 
-def _turned(x: Descriptor, y: Descriptor, best: Contender) -> Contender:
+def _turned(x: PreparedShape, y: PreparedShape, best: Contender) -> Contender:
     """The contender, or a cheaper one in which parts are turned."""
     last = best
     for _ in range(_TURNED):

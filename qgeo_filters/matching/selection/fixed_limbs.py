@@ -6,7 +6,7 @@ import numpy as np
 
 from qgeo_filters._typing import IndexArray
 from qgeo_filters.matching.initialization.candidates import between
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 
 # Images this far apart, in sqrt(area), are different; the least share of the area where they are.
 _DIFFERENT, _LEAST_AREA = 0.2, 0.02
@@ -16,7 +16,7 @@ _STAYS, _GOES = 0.15, 0.3
 _EXCHANGED = 0.7
 
 
-def leaves_limbs(x: Descriptor, one: IndexArray, other: IndexArray) -> bool:
+def leaves_limbs(x: PreparedShape, one: IndexArray, other: IndexArray) -> bool:
     """Whether map ``one`` (n,) of a shape to itself is ``other``, but for limbs that it mirrors into themselves.
 
     Such a map is continuous, reverses the orientation and is an involution, too: it is the other one followed by a half

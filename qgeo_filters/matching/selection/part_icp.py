@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.initialization.agd_extrema import extremities
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.smooth_shells import Finished
 
 # A part is what lies this near to an extremity, in sqrt(area); the map is bent around it, up to this many times that.
@@ -28,7 +28,7 @@ _ROTATIONS = Rotation.create_group("O").as_matrix()
 _UNTURNED = int(np.trace(_ROTATIONS, axis1=1, axis2=2).argmax())
 
 
-def turned_parts(x: Descriptor, y: Descriptor, result: Finished) -> list[IndexArray]:
+def turned_parts(x: PreparedShape, y: PreparedShape, result: Finished) -> list[IndexArray]:
     """Maps (n_x,) in which one part is turned so that it fits better, one for each such part, the best fit first.
 
     Distances hardly tell how a head on a round neck is turned about it, and a deformation that has it wrong stays
@@ -48,7 +48,7 @@ def turned_parts(x: Descriptor, y: Descriptor, result: Finished) -> list[IndexAr
 
 
 def _turned_part(
-    x: Descriptor, result: Finished, normals: FloatArray, tree: cKDTree, end: int
+    x: PreparedShape, result: Finished, normals: FloatArray, tree: cKDTree, end: int
 ) -> tuple[float, int, IndexArray] | None:
     """What is left of the misfit, the extremity, and the map with the part around it turned; None if it fits as is."""
     distance = x.rows[end]
@@ -85,7 +85,7 @@ def _motion(points: FloatArray, others: FloatArray) -> tuple[FloatArray, FloatAr
     return u @ v, start, end
 
 
-def _rigid(x: Descriptor, part: IndexArray, positions: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _rigid(x: PreparedShape, part: IndexArray, positions: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The part as it is on X, moved rigidly to where the deformation has it, and its normals."""
     turn, start, end = _motion(x.unit.vertices[part], positions[part])
     return (x.unit.vertices[part] - start) @ turn + end, x.normals[part] @ turn

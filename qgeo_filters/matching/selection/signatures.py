@@ -6,13 +6,13 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray
-from qgeo_filters.matching.prepared_shape import Descriptor
+from qgeo_filters.matching.prepared_shape import PreparedShape
 
 # Of the times of heat the last ones: the first one tells right maps from wrong ones, but varies between poses.
 _TIMES = slice(1, None)
 
 
-def likeness(x: Descriptor, y: Descriptor, p2p: npt.NDArray[np.int64]) -> float:
+def likeness(x: PreparedShape, y: PreparedShape, p2p: npt.NDArray[np.int64]) -> float:
     """Agreement of the logarithm of the heat kernel h(t; p, p) with that at the images, 1 if they are equal.
 
     One minus half the mean squared difference over the variance on X, the smallest over the times: the correlation,
@@ -27,7 +27,7 @@ def likeness(x: Descriptor, y: Descriptor, p2p: npt.NDArray[np.int64]) -> float:
     return min(_agreement(one, other, x.areas) for one, other in zip(here.T, there.T, strict=True))
 
 
-def relief_likeness(x: Descriptor, y: Descriptor, p2p: npt.NDArray[np.int64]) -> float:
+def relief_likeness(x: PreparedShape, y: PreparedShape, p2p: npt.NDArray[np.int64]) -> float:
     """Agreement of the smoothed mean curvature with that at the images, 1 if it is equal; measured as `likeness`.
 
     Unlike the heat kernels it knows inside from outside: a breast is not like a back.
