@@ -7,25 +7,91 @@ and needs no optional package.
 from __future__ import annotations
 
 import importlib
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothing
+    from . import evaluation as evaluation
+    from . import testing as testing
+    from .caching import cache as cache
+    from .differential.coordinates import differential_coordinates as differential_coordinates
+    from .differential.curvature import PrincipalCurvatures as PrincipalCurvatures
+    from .differential.curvature import principal_curvatures as principal_curvatures
+    from .differential.normals import vertex_normals as vertex_normals
+    from .differential.scalar import surface_scalar as surface_scalar
+    from .errors import DisconnectedError as DisconnectedError
+    from .errors import MeshError as MeshError
+    from .errors import MissingPackageError as MissingPackageError
+    from .errors import NonManifoldError as NonManifoldError
+    from .errors import ParameterError as ParameterError
+    from .errors import QgeoError as QgeoError
+    from .filters.appearance import Paint as Paint
+    from .filters.base import Filter as Filter
+    from .filters.base import registered as registered
+    from .filters.differential import CorrectedNormals as CorrectedNormals
+    from .filters.differential import Curvatures as Curvatures
+    from .filters.differential import DifferentialCoordinates as DifferentialCoordinates
+    from .filters.differential import SurfaceScalar as SurfaceScalar
+    from .filters.geodesics import QuasiGeodesicDistances as QuasiGeodesicDistances
+    from .filters.geodesics import QuasiGeodesicPath as QuasiGeodesicPath
+    from .filters.matching import Correspondence as Correspondence
+    from .filters.matching import SelfSymmetry as SelfSymmetry
+    from .filters.meshlab_methods import register_pymeshlab as register_pymeshlab
+    from .filters.pipeline import Pipeline as Pipeline
+    from .filters.spectral import LaplacianSpectrum as LaplacianSpectrum
+    from .filters.spectral import QuasiGeodesicSpectrum as QuasiGeodesicSpectrum
+    from .filters.transfer import TransferAttributes as TransferAttributes
+    from .geodesics.lifting import lifted_metric as lifted_metric
+    from .geodesics.matrix import distance_matrix as distance_matrix
+    from .geodesics.matrix import distances as distances
+    from .geodesics.metric import LiftedMetric as LiftedMetric
+    from .geodesics.operator import DistanceOperator as DistanceOperator
+    from .geodesics.path.paths import GeodesicPath as GeodesicPath
+    from .geodesics.path.paths import quasi_geodesic as quasi_geodesic
+    from .geodesics.path.paths import quasi_geodesics as quasi_geodesics
+    from .geodesics.warmup import warmup as warmup
+    from .hosts.dispatch import as_surface as as_surface
+    from .hosts.repair import Repair as Repair
+    from .hosts.repair import repair_surface as repair_surface
+    from .matching.compatibility import Compatibility as Compatibility
+    from .matching.compatibility import compatibility as compatibility
+    from .matching.correspondence import match as match
+    from .matching.maps.barycentric import BarycentricMap as BarycentricMap
+    from .matching.maps.barycentric import barycentric_map as barycentric_map
+    from .matching.prepared_shape import Descriptor as Descriptor
+    from .matching.symmetry import Symmetry as Symmetry
+    from .matching.symmetry import self_symmetry as self_symmetry
+    from .spectral.block_krylov import streamed_spectrum as streamed_spectrum
+    from .spectral.commutative import CommutativeSpectra as CommutativeSpectra
+    from .spectral.commutative import commutative_eigenspectra as commutative_eigenspectra
+    from .spectral.commutative import commutator_norm as commutator_norm
+    from .spectral.commutative import joint_diagonalizer as joint_diagonalizer
+    from .spectral.distance_spectrum import Spectrum as Spectrum
+    from .spectral.distance_spectrum import distance_spectrum as distance_spectrum
+    from .spectral.landmarks import landmark_spectrum as landmark_spectrum
+    from .spectral.laplacian import laplacian_spectrum as laplacian_spectrum
+    from .surface import Surface as Surface
 
 __version__ = "0.1.0"
 
 _HOME = {
     "Surface": "surface",
     "LiftedMetric": "geodesics.metric",
+    "QgeoError": "errors",
+    "ParameterError": "errors",
     "MeshError": "errors",
     "NonManifoldError": "errors",
     "DisconnectedError": "errors",
     "MissingPackageError": "errors",
     "as_surface": "hosts.dispatch",
     "repair_surface": "hosts.repair",
+    "Repair": "hosts.repair",
     "cache": "caching",
-    # functions on a surface
+    # functions on a surface, and what they return
     "differential_coordinates": "differential.coordinates",
     "vertex_normals": "differential.normals",
     "surface_scalar": "differential.scalar",
     "principal_curvatures": "differential.curvature",
+    "PrincipalCurvatures": "differential.curvature",
     "lifted_metric": "geodesics.lifting",
     "distances": "geodesics.matrix",
     "distance_matrix": "geodesics.matrix",
@@ -39,14 +105,18 @@ _HOME = {
     "laplacian_spectrum": "spectral.laplacian",
     "Spectrum": "spectral.distance_spectrum",
     "self_symmetry": "matching.symmetry",
+    "Symmetry": "matching.symmetry",
     "match": "matching.correspondence",
     "MatchResult": "matching.correspondence",
     "PreparedShape": "matching.prepared_shape",
     "barycentric_map": "matching.maps.barycentric",
+    "BarycentricMap": "matching.maps.barycentric",
     "commutative_eigenspectra": "spectral.commutative",
+    "CommutativeSpectra": "spectral.commutative",
     "commutator_norm": "spectral.commutative",
     "joint_diagonalizer": "spectral.commutative",
     "compatibility": "matching.compatibility",
+    "Compatibility": "matching.compatibility",
     "warmup": "geodesics.warmup",
     # filters
     "Filter": "filters.base",

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import ast
+import importlib
 import inspect
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable
+from importlib import metadata
+from pathlib import Path
 
 import pytest
+from conftest import ROOT
 
 import qgeo_filters as qg
 
@@ -29,6 +35,65 @@ def test_every_public_name_loads_and_is_documented(name: str) -> None:
     value = getattr(qg, name)
     if callable(value):
         assert value.__doc__, f"{name} has no docstring"
+
+
+def public_names_for_type_checkers() -> dict[str, str]:
+    """Module of each name that ``if TYPE_CHECKING:`` re-exports in the package's ``__init__``, by name."""
+    tree = ast.parse(Path(qg.__file__).read_text(encoding="utf-8"))
+    (block,) = (node for node in tree.body if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING")
+    modules = {}
+    for line in block.body:
+        assert isinstance(line, ast.ImportFrom)
+        assert line.level == 1
+        for alias in line.names:
+            assert alias.asname == alias.name  # the form that PEP 484 takes as a re-export
+            modules[alias.name] = line.module or ""
+    return modules
+
+
+def test_type_checkers_see_the_names_that_run_time_has() -> None:
+    seen = public_names_for_type_checkers()
+    assert set(seen) == set(qg.__all__) - {"__version__"}
+    for name, module in seen.items():
+        expected = importlib.import_module(f"qgeo_filters.{module or name}")
+        assert getattr(qg, name) is (getattr(expected, name) if module else expected), name
+    assert set(qg.__all__) <= set(dir(qg))
+
+
+@pytest.mark.parametrize("package", ["qgeo_filters", "qgeo_widgets"])
+def test_the_packages_say_that_they_are_typed(package: str) -> None:
+    assert (Path(importlib.import_module(package).__file__).parent / "py.typed").is_file()
+
+
+@pytest.mark.slow
+def test_mypy_sees_the_types_of_the_public_face(tmp_path: Path) -> None:
+    """Not ``Any``, which every name was while they came from ``__getattr__`` alone."""
+    code = tmp_path / "use.py"
+    expected = {
+        "match": "-> qgeo_filters.matching.correspondence.Correspondence",
+        "self_symmetry": "-> qgeo_filters.matching.symmetry.Symmetry",
+        "quasi_geodesic": "-> qgeo_filters.geodesics.path.paths.GeodesicPath",
+        "QuasiGeodesicSpectrum": "-> qgeo_filters.filters.spectral.QuasiGeodesicSpectrum",
+    }
+    lines = [f"reveal_type(qg.{name})" for name in expected]
+    code.write_text("\n".join(["import qgeo_filters as qg", *lines, ""]))
+    found = subprocess.run(
+        [sys.executable, "-m", "mypy", "--config-file", ROOT / "pyproject.toml", "--cache-dir", tmp_path, code],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "MYPYPATH": str(ROOT)},
+    )
+    revealed = [line for line in found.stdout.splitlines() if "Revealed type" in line]
+    assert len(revealed) == len(expected), found.stdout + found.stderr
+    for line, returned in zip(revealed, expected.values(), strict=True):
+        assert returned in line
+
+
+def test_the_version_is_written_in_one_place() -> None:
+    assert metadata.version("qgeo-filters") == qg.__version__
+    files = [ROOT / "pyproject.toml", *ROOT.glob("qgeo_filters/**/*.py"), *ROOT.glob("widgets/**/*.py")]
+    written = [file for file in files if f'"{qg.__version__}"' in file.read_text(encoding="utf-8")]
+    assert written == [ROOT / "qgeo_filters" / "__init__.py"]
 
 
 def test_one_default_of_the_curvature_weight() -> None:
@@ -90,8 +155,6 @@ except MissingPackageError as error:
 
 
 def test_readme_table_lists_every_attribute() -> None:
-    from conftest import ROOT
-
     from qgeo_filters.filters.base import REGISTRY
 
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
