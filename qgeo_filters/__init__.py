@@ -7,6 +7,8 @@ and needs no optional package.
 from __future__ import annotations
 
 import importlib
+import sys
+import warnings
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothing
@@ -54,10 +56,11 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .hosts.repair import repair_surface as repair_surface
     from .matching.compatibility import Compatibility as Compatibility
     from .matching.compatibility import compatibility as compatibility
+    from .matching.correspondence import MatchResult as MatchResult
     from .matching.correspondence import match as match
     from .matching.maps.barycentric import BarycentricMap as BarycentricMap
     from .matching.maps.barycentric import barycentric_map as barycentric_map
-    from .matching.prepared_shape import Descriptor as Descriptor
+    from .matching.prepared_shape import PreparedShape as PreparedShape
     from .matching.symmetry import Symmetry as Symmetry
     from .matching.symmetry import self_symmetry as self_symmetry
     from .spectral.block_krylov import streamed_spectrum as streamed_spectrum
@@ -137,6 +140,7 @@ _HOME = {
     "register_pymeshlab": "filters.meshlab_methods",
 }
 _MODULES = ("testing", "evaluation")
+_RENAMED = {"Descriptor": "PreparedShape"}  # old names, for one more release
 
 __all__ = [*_HOME, *_MODULES, "__version__"]
 
@@ -146,6 +150,11 @@ def __getattr__(name: str) -> Any:
         value = getattr(importlib.import_module(f"{__name__}.{_HOME[name]}"), name)
     elif name in _MODULES:
         value = importlib.import_module(f"{__name__}.{name}")
+    elif name in _RENAMED:
+        new = _RENAMED[name]
+        message = f"{__name__}.{name} is now called {new}; the old name goes with the next release"
+        warnings.warn(message, DeprecationWarning, stacklevel=2)
+        return getattr(sys.modules[__name__], new)
     else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = value

@@ -70,7 +70,7 @@ def test_mypy_sees_the_types_of_the_public_face(tmp_path: Path) -> None:
     """Not ``Any``, which every name was while they came from ``__getattr__`` alone."""
     code = tmp_path / "use.py"
     expected = {
-        "match": "-> qgeo_filters.matching.correspondence.Correspondence",
+        "match": "-> qgeo_filters.matching.correspondence.MatchResult",
         "self_symmetry": "-> qgeo_filters.matching.symmetry.Symmetry",
         "quasi_geodesic": "-> qgeo_filters.geodesics.path.paths.GeodesicPath",
         "QuasiGeodesicSpectrum": "-> qgeo_filters.filters.spectral.QuasiGeodesicSpectrum",
@@ -126,6 +126,14 @@ def test_one_default_of_the_curvature_weight() -> None:
 def test_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="no attribute 'sharpen'"):
         _ = qg.sharpen
+
+
+def test_old_names_are_taken_with_a_warning_that_says_the_new_one() -> None:
+    for _ in range(2):  # each time, not the first alone
+        with pytest.warns(DeprecationWarning, match="Descriptor is now called PreparedShape") as caught:
+            assert qg.Descriptor is qg.PreparedShape
+        assert caught[0].filename == __file__
+    assert "Descriptor" not in dir(qg)
 
 
 def test_arrays_need_no_host() -> None:
