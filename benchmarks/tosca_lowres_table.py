@@ -14,7 +14,6 @@ from pathlib import Path
 
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.repair import repair_surface
-from qgeo_filters.io.formats import read_surface
 from qgeo_filters.surface import Surface
 
 
@@ -33,7 +32,7 @@ def verdict(surface: Surface) -> str:
 def row(file: Path) -> tuple[str, ...]:
     """One line of the table."""
     try:
-        surface = read_surface(file)
+        surface = Surface.read(file)
     except MeshError as error:
         return file.stem, "", "", f"refused: {str(error).removeprefix(f'{file}: ')}", "", "", "", "refused"
     return file.stem, str(surface.n_vertices), str(surface.n_faces), verdict(surface), *repaired(surface)

@@ -52,6 +52,8 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .geodesics.path.paths import quasi_geodesics as quasi_geodesics
     from .geodesics.warmup import warmup as warmup
     from .hosts.dispatch import as_surface as as_surface
+    from .hosts.protocol import Host as Host
+    from .hosts.protocol import register_host as register_host
     from .hosts.repair import Repair as Repair
     from .hosts.repair import repair_surface as repair_surface
     from .matching.compatibility import Compatibility as Compatibility
@@ -88,6 +90,8 @@ _HOME = {
     "as_surface": "hosts.dispatch",
     "repair_surface": "hosts.repair",
     "Repair": "hosts.repair",
+    "register_host": "hosts.protocol",
+    "Host": "hosts.protocol",
     "cache": "caching",
     # functions on a surface, and what they return
     "differential_coordinates": "differential.coordinates",

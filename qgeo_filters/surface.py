@@ -14,6 +14,10 @@ import numpy.typing as npt
 from qgeo_filters import connectivity
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.errors import DisconnectedError, MeshError, NonManifoldError
+from qgeo_filters.io.formats import path_in_errors, read_raw, write_raw
+from qgeo_filters.io.raw_mesh import RawMesh
+from qgeo_filters.repair.triangle_soup import repaired_mesh
+from qgeo_filters.triangle_geometry import face_crosses, unit_normals
 from qgeo_filters.validation import checked_attributes, checked_faces, checked_vertices, frozen, listed
 
 
@@ -37,9 +41,10 @@ class Surface:
 
     Notes
     -----
-    Immutable: all arrays are read-only, derived quantities are computed once, on first use. A mesh that
-    is not manifold, in several pieces or not orientable can be held and described; whatever needs more
-    says so through `require_manifold` and `require_connected`.
+    Immutable: attributes cannot be set, all arrays are read-only for good, derived quantities are computed once,
+    on first use; `with_vertices` and `with_attributes` give changed copies. A mesh that is not manifold, in several
+    pieces or not orientable can be held and described; whatever needs more says so through `require_manifold` and
+    `require_connected`.
     """
 
     vertices: FloatArray
@@ -52,9 +57,21 @@ class Surface:
         faces: npt.ArrayLike,
         attributes: Mapping[str, npt.ArrayLike] | None = None,
     ) -> None:
-        self.vertices = frozen(checked_vertices(vertices))
-        self.faces = frozen(checked_faces(faces, len(self.vertices)))
-        self.attributes = checked_attributes(attributes or {}, len(self.vertices))
+        checked = frozen(checked_vertices(vertices))
+        self.__dict__.update(
+            vertices=checked,
+            faces=frozen(checked_faces(faces, len(checked))),
+            attributes=checked_attributes(attributes or {}, len(checked)),
+        )
+
+    def __setattr__(self, name: str, value: object) -> None:
+        # cached_property writes to __dict__ and does not come here.
+        way_out = "attributes" if name == "attributes" else "vertices"
+        advice = f"; surface.with_{way_out}(...) gives another one" if name in ("vertices", "attributes") else ""
+        raise AttributeError(f"cannot set {name!r}: a Surface never changes{advice}")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"cannot delete {name!r}: a Surface never changes")
 
     def __repr__(self) -> str:
         names = f", attributes={sorted(self.attributes)}" if self.attributes else ""
@@ -69,23 +86,40 @@ class Surface:
     # -- making others ------------------------------------------------------------------------------
 
     @classmethod
-    def read(cls, path: str | PathLike[str], *, repair: bool = False) -> Surface:
-        """Surface from a file (OFF, OBJ, PLY, STL, GLB, TOSCA's .vert/.tri and .mat), see `io.formats`."""
-        from qgeo_filters.io.formats import read_surface
+    def from_raw(cls, raw: RawMesh) -> Surface:
+        """Surface of arrays as they came from a file or another library; raises `MeshError` for what cannot be one."""
+        return cls(raw.vertices, raw.faces, raw.attributes)
 
-        return read_surface(path, repair=repair)
+    @classmethod
+    def read(cls, path: str | PathLike[str], *, repair: bool = False) -> Surface:
+        """Surface from a file.
+
+        Parameters
+        ----------
+        path : path
+            OFF, OBJ, PLY, STL, GLB, TOSCA's .vert/.tri and .mat, told by the suffix, see `io.formats`.
+        repair : bool
+            Triangulate polygons and make the mesh manifold and one piece; `repair_surface` also says what was changed.
+
+        Raises
+        ------
+        FileNotFoundError, IsADirectoryError
+        MeshError
+            An unknown suffix, a malformed file, polygons, an invalid mesh; the message starts with the path.
+        """
+        raw = read_raw(path, repair=repair)
+        with path_in_errors(path):
+            return cls.from_raw(repaired_mesh(raw).mesh if repair else raw)
 
     def write(self, path: str | PathLike[str]) -> None:
-        """Write to a file, atomically; PLY keeps every attribute, see `io.formats`."""
-        from qgeo_filters.io.formats import write_surface
-
-        write_surface(self, path)
+        """Write to a file, atomically; PLY keeps every attribute, others drop them with a warning, see `io.formats`."""
+        write_raw(path, self.vertices, self.faces, self.attributes)
 
     def with_attributes(self, attributes: Mapping[str, npt.ArrayLike]) -> Surface:
         """Surface with these attributes added, equal names replaced. Derived quantities are shared."""
         other = object.__new__(Surface)
-        other.__dict__.update(self.__dict__)
-        other.attributes = MappingProxyType({**self.attributes, **checked_attributes(attributes, self.n_vertices)})
+        together = MappingProxyType({**self.attributes, **checked_attributes(attributes, self.n_vertices)})
+        other.__dict__.update(self.__dict__, attributes=together)
         return other
 
     def with_vertices(self, vertices: npt.ArrayLike) -> Surface:
@@ -132,8 +166,7 @@ class Surface:
 
     @cached_property
     def _face_crosses(self) -> FloatArray:
-        a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
-        return frozen(np.cross(b - a, c - a))
+        return frozen(face_crosses(self.vertices, self.faces))
 
     @cached_property
     def face_areas(self) -> FloatArray:
@@ -153,8 +186,7 @@ class Surface:
     @cached_property
     def face_normals(self) -> FloatArray:
         """Unit normal of each triangle, shape (m, 3); zero where the triangle has no area."""
-        length = np.linalg.norm(self._face_crosses, axis=1, keepdims=True)
-        return frozen(np.divide(self._face_crosses, length, out=np.zeros_like(self._face_crosses), where=length > 0))
+        return frozen(unit_normals(self._face_crosses))
 
     @cached_property
     def corner_angles(self) -> FloatArray:
@@ -221,9 +253,9 @@ class Surface:
         return np.unique(self.edges[self.boundary_edges])
 
     @cached_property
-    def boundary_loops(self) -> list[IntArray]:
+    def boundary_loops(self) -> tuple[IntArray, ...]:
         """Boundary curves as vertex chains, longest first."""
-        return connectivity.boundary_loops(self.edges[self.boundary_edges])
+        return tuple(frozen(loop) for loop in connectivity.boundary_loops(self.edges[self.boundary_edges]))
 
     @property
     def is_closed(self) -> bool:

@@ -8,7 +8,6 @@ from __future__ import annotations
 import importlib.util
 import inspect
 import pickle
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,8 @@ import numpy as np
 from qgeo_filters.errors import MeshError
 from qgeo_filters.filters.base import REGISTRY, Filter
 from qgeo_filters.filters.pipeline import Pipeline
+from qgeo_filters.hosts.dispatch import as_surface
+from qgeo_filters.hosts.protocol import load_host, registered_hosts
 from qgeo_filters.surface import Surface
 
 
@@ -154,12 +155,13 @@ def _serialisation(filter: Filter, surface: Surface) -> None:
 
 
 def _hosts(filter: Filter, surface: Surface) -> None:
-    from qgeo_filters.hosts.dispatch import as_surface
-
     kind = type(filter).__name__
     expected = filter.apply(surface).attributes
-    for module, make in _HOSTS.items():
+    for module in registered_hosts():
         if importlib.util.find_spec(module) is None:
+            continue
+        make = getattr(load_host(module), "make", None)
+        if make is None:
             continue
         mesh = make(surface)
         result = filter(mesh)
@@ -182,34 +184,3 @@ def _refusal(filter: Filter, surface: Surface) -> None:
         filter(fan)
     except (MeshError, ValueError) as error:
         assert str(error), f"{type(filter).__name__}: refuses without a sentence"
-
-
-def _open3d_tensor(surface: Surface) -> Any:
-    import open3d as o3d
-
-    mesh = o3d.t.geometry.TriangleMesh()
-    mesh.vertex.positions = o3d.core.Tensor(np.array(surface.vertices))
-    mesh.triangle.indices = o3d.core.Tensor(np.array(surface.faces))
-    for name, values in surface.attributes.items():
-        mesh.vertex[name] = o3d.core.Tensor(np.array(values).reshape(surface.n_vertices, -1))
-    return mesh
-
-
-def _meshset(surface: Surface) -> Any:
-    import pymeshlab
-
-    meshes = pymeshlab.MeshSet()
-    meshes.add_mesh(pymeshlab.Mesh(np.array(surface.vertices), np.array(surface.faces)))
-    return meshes
-
-
-def _polydata(surface: Surface) -> Any:
-    import pyvista
-
-    mesh = pyvista.PolyData.from_regular_faces(np.array(surface.vertices), np.array(surface.faces))
-    for name, values in surface.attributes.items():
-        mesh.point_data[name] = np.array(values)
-    return mesh
-
-
-_HOSTS: dict[str, Callable[[Surface], Any]] = {"open3d": _open3d_tensor, "pymeshlab": _meshset, "pyvista": _polydata}

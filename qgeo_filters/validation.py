@@ -13,9 +13,9 @@ from qgeo_filters.errors import MeshError
 
 
 def frozen(array: np.ndarray) -> np.ndarray:
-    """The same array, read-only from now on."""
+    """The same array, read-only from now on; that of the result cannot be undone through its flags."""
     array.setflags(write=False)
-    return array
+    return array.view()  # NumPy lets only the owner of the memory be made writeable again
 
 
 def listed(indices: npt.ArrayLike, limit: int = 5) -> str:

@@ -21,7 +21,6 @@ from qgeo_filters import __version__
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.cli.options import Settings
 from qgeo_filters.hosts.repair import repair_surface
-from qgeo_filters.io.formats import read_surface, write_surface
 from qgeo_filters.report.html import Picture, Table, formatted, write_report
 from qgeo_filters.surface import Surface
 
@@ -73,7 +72,7 @@ class Job:
                 repaired = repair_surface(path)
                 surface, changes = repaired.surface, repaired.report
             else:
-                surface = read_surface(path)
+                surface = Surface.read(path)
         mesh = {"path": str(path), **description(surface)}
         if self.settings.repair:
             mesh["repaired"] = list(changes)
@@ -96,7 +95,7 @@ class Job:
             np.savez(file, **dict(arrays))
         self.files += ["result.json", "result.npz"]
         for name, surface in zip(self.names, surfaces, strict=True):
-            write_surface(surface, self.folder / f"{name}.ply")
+            surface.write(self.folder / f"{name}.ply")
             self.files.append(f"{name}.ply")
         self._write_json()
 

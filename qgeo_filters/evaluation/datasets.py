@@ -15,7 +15,6 @@ import numpy as np
 
 from qgeo_filters._typing import IndexArray
 from qgeo_filters.errors import MeshError
-from qgeo_filters.io.formats import read_surface
 from qgeo_filters.surface import Surface
 
 
@@ -74,7 +73,7 @@ class Dataset(ABC):
 
     def read(self, name: str) -> Surface:
         """The mesh of a shape."""
-        return read_surface(self.files[name])
+        return Surface.read(self.files[name])
 
     @abstractmethod
     def truth(self, x: str, y: str) -> PointMap:

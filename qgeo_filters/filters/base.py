@@ -10,7 +10,7 @@ import numpy as np
 
 from qgeo_filters.caching import cache
 from qgeo_filters.errors import MeshError, ParameterError
-from qgeo_filters.hosts.dispatch import as_surface, has_adapter, like_host
+from qgeo_filters.hosts.dispatch import as_surface, is_host_mesh, write_back
 from qgeo_filters.hosts.repair import Repair, repair_surface
 from qgeo_filters.surface import Surface
 
@@ -68,16 +68,16 @@ class Filter:
         with cache.held():
             if not repair:
                 surface = as_surface(mesh)
-                return like_host(mesh, surface, _added(surface, self.apply(surface, progress)))
+                return write_back(mesh, surface, _added(surface, self.apply(surface, progress)))
             self.repair_ = repair_surface(mesh)
             fixed = self.repair_.surface
             added = _added(fixed, self.apply(fixed, progress))
         back = {name: self._carried_back(self.repair_, name, values) for name, values in added.items()}
         try:
-            return like_host(mesh, as_surface(mesh), back)
+            return write_back(mesh, as_surface(mesh), back)
         except MeshError:
-            if has_adapter(mesh):
-                return like_host(mesh, None, back)
+            if is_host_mesh(mesh):
+                return write_back(mesh, None, back)
             return fixed.with_attributes(added)
 
     def _carried_back(self, repair: Repair, name: str, values: np.ndarray) -> np.ndarray:

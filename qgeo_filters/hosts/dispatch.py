@@ -1,32 +1,32 @@
 """Meshes of other libraries and files to `Surface` and back, with their named attributes.
 
 A host library is imported only when one of its objects is met, and recognised by the module of its type.
-Each host has one module here with three functions: ``read(mesh, repair)`` gives a `RawMesh`,
-``write(mesh, attributes)`` and ``pose(mesh, vertices)`` give a changed copy.
+Each host is one module, see `hosts.protocol.Host`.
 """
 
 from __future__ import annotations
 
-import importlib
 import os
 from collections.abc import Mapping
-from types import ModuleType
-from typing import Any
+from typing import Any, TypeAlias, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.errors import MeshError
-from qgeo_filters.io.raw_mesh import RawMesh, triangles
+from qgeo_filters.hosts.arrays import is_pair, is_path, raw_mesh
+from qgeo_filters.hosts.protocol import host_of
+from qgeo_filters.hosts.repair import repair_surface
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_attributes
 
-__all__ = ["RawMesh", "as_surface", "has_adapter", "like_host", "raw_mesh", "with_vertices"]
+__all__ = ["SurfaceLike", "as_surface", "is_host_mesh", "raw_mesh", "with_positions", "write_back"]
 
-_ADAPTERS = {"open3d": "open3d", "pymeshlab": "meshlab", "pyvista": "pyvista", "trimesh": "trimesh"}
+#: What `as_surface` takes; meshes of other libraries have no type in common.
+SurfaceLike: TypeAlias = Union[Surface, tuple[npt.ArrayLike, npt.ArrayLike], str, "os.PathLike[str]", Any]
 
 
-def as_surface(obj: Any, *, repair: bool = False) -> Surface:
+def as_surface(obj: SurfaceLike, *, repair: bool = False) -> Surface:
     """Surface of a mesh object of any host.
 
     Parameters
@@ -47,44 +47,16 @@ def as_surface(obj: Any, *, repair: bool = False) -> Surface:
     MeshError
         What is no mesh, or a mesh that cannot be held; the message says what, where and how often.
     """
-    if isinstance(obj, Surface) and not repair:
-        return obj
     if repair:
-        from qgeo_filters.hosts.repair import repair_surface
-
         return repair_surface(obj).surface
-    if _is_path(obj):
-        from qgeo_filters.io.formats import read_surface
-
-        return read_surface(obj)
-    return raw_mesh(obj).surface()
-
-
-def raw_mesh(obj: Any, *, repair: bool = False) -> RawMesh:
-    """Arrays of a mesh object of any host, not checked; ``repair`` triangulates polygons."""
-    if isinstance(obj, RawMesh):
-        return obj
     if isinstance(obj, Surface):
-        return RawMesh(obj.vertices, obj.faces, obj.attributes)
-    if _is_path(obj):
-        from qgeo_filters.io.formats import read_raw
-
-        return read_raw(obj, repair=repair)
-    adapter = _adapter(obj)
-    if adapter is not None:
-        mesh: RawMesh = adapter.read(obj, repair)
-        return mesh
-    if _is_pair(obj):
-        return _arrays(obj[0], obj[1], repair)
-    if hasattr(obj, "vertices") and hasattr(obj, "faces"):
-        return _arrays(obj.vertices, obj.faces, repair)
-    raise MeshError(
-        f"cannot take a mesh from {type(obj).__module__}.{type(obj).__qualname__}: expected an Open3D, PyMeshLab, "
-        "PyVista or trimesh mesh, a (vertices, faces) pair, a path or a Surface"
-    )
+        return obj
+    if is_path(obj):
+        return Surface.read(obj)
+    return Surface.from_raw(raw_mesh(obj))
 
 
-def like_host(host: Any, surface: Surface | None, attributes: Mapping[str, npt.ArrayLike]) -> Any:
+def write_back(host: Any, surface: Surface | None, attributes: Mapping[str, npt.ArrayLike]) -> Any:
     """Copy of the host object with per-vertex attributes added, equal names replaced.
 
     Parameters
@@ -104,53 +76,29 @@ def like_host(host: Any, surface: Surface | None, attributes: Mapping[str, npt.A
     """
     n_vertices = len(np.asarray(raw_mesh(host, repair=True).vertices)) if surface is None else surface.n_vertices
     checked = checked_attributes(attributes, n_vertices)
-    adapter = _adapter(host)
-    if adapter is not None:
-        return adapter.write(host, checked)
+    library = host_of(host)
+    if library is not None:
+        return library.write(host, checked)
     return (as_surface(host) if surface is None else surface).with_attributes(checked)
 
 
-def has_adapter(obj: Any) -> bool:
-    """Whether the object is a mesh of another library, which `like_host` copies in kind."""
-    return _adapter(obj) is not None
+def is_host_mesh(obj: Any) -> bool:
+    """Whether the object is a mesh of another library, which `write_back` copies in kind."""
+    return host_of(obj) is not None
 
 
-def with_vertices(host: Any, vertices: npt.ArrayLike) -> Any:
+def with_positions(host: Any, vertices: npt.ArrayLike) -> Any:
     """Copy of the host object in another pose: same faces and attributes, other positions.
 
     Normals that the host holds are computed anew. A pair comes back as a pair, a path as a `Surface`.
     """
     if isinstance(host, Surface):
         return host.with_vertices(vertices)
-    adapter = _adapter(host)
+    library = host_of(host)
     posed = np.array(vertices, dtype=np.float64)
     expected = np.shape(raw_mesh(host).vertices)
     if posed.shape != expected:
         raise MeshError(f"the pose has shape {posed.shape}, expected {expected}")
-    if adapter is not None:
-        return adapter.pose(host, posed)
-    return (posed, host[1]) if _is_pair(host) else as_surface(host).with_vertices(posed)
-
-
-def _adapter(obj: Any) -> ModuleType | None:
-    for cls in type(obj).__mro__:
-        name = _ADAPTERS.get(cls.__module__.partition(".")[0])
-        if name is not None:
-            return importlib.import_module(f"qgeo_filters.hosts.{name}")
-    return None
-
-
-def _is_path(obj: Any) -> bool:
-    return isinstance(obj, (str, os.PathLike))
-
-
-def _is_pair(obj: Any) -> bool:
-    return isinstance(obj, (tuple, list)) and len(obj) == 2
-
-
-def _arrays(vertices: Any, faces: Any, repair: bool) -> RawMesh:
-    faces = np.asarray(faces)
-    if repair and faces.ndim == 2 and faces.shape[1] > 3:
-        faces, notes = triangles(faces, repair)
-        return RawMesh(vertices, faces, notes=notes)
-    return RawMesh(vertices, faces)
+    if library is not None:
+        return library.with_positions(host, posed)
+    return (posed, host[1]) if is_pair(host) else as_surface(host).with_vertices(posed)

@@ -20,6 +20,7 @@ import numpy.typing as npt
 from qgeo_filters.errors import MeshError, require_package
 from qgeo_filters.hosts.meshlab_attributes import Key, add_attributes, custom_attributes, joined, split
 from qgeo_filters.io.raw_mesh import RawMesh, counted
+from qgeo_filters.surface import Surface
 
 #: Name under which vertex colours, (n, 3) in [0, 1], come and go; the mesh keeps them as its own colours.
 COLORS = "colors"
@@ -56,9 +57,17 @@ def write(mesh: Any, attributes: Mapping[str, np.ndarray]) -> Any:
     return _rebuilt(mesh, split(attributes), None)
 
 
-def pose(mesh: Any, vertices: npt.NDArray[np.float64]) -> Any:
+def with_positions(mesh: Any, vertices: npt.NDArray[np.float64]) -> Any:
     """New MeshSet whose current mesh has other positions; normals are computed anew."""
     return _rebuilt(mesh, {}, vertices)
+
+
+def make(surface: Surface) -> Any:
+    """MeshSet of one mesh with the vertices, faces and attributes of a surface."""
+    pymeshlab = require_package("pymeshlab", "meshlab", "a PyMeshLab mesh")
+    meshes = pymeshlab.MeshSet()
+    meshes.add_mesh(pymeshlab.Mesh(np.array(surface.vertices), np.array(surface.faces)))
+    return write(meshes, surface.attributes)
 
 
 def _layer(mesh: Any) -> Any:

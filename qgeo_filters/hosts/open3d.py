@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from qgeo_filters.errors import MeshError, require_package
 from qgeo_filters.io.raw_mesh import RawMesh
+from qgeo_filters.surface import Surface
 
 
 def read(mesh: Any, repair: bool) -> RawMesh:
@@ -29,7 +30,7 @@ def write(mesh: Any, attributes: Mapping[str, np.ndarray]) -> Any:
     return copy
 
 
-def pose(mesh: Any, vertices: npt.NDArray[np.float64]) -> Any:
+def with_positions(mesh: Any, vertices: npt.NDArray[np.float64]) -> Any:
     """Copy of the mesh at other positions, in the precision of the old ones."""
     copy = _copy(mesh)
     positions = _to_tensor("positions", vertices, copy.device)
@@ -39,6 +40,15 @@ def pose(mesh: Any, vertices: npt.NDArray[np.float64]) -> Any:
     if "normals" in copy.vertex:
         copy.compute_vertex_normals()
     return copy
+
+
+def make(surface: Surface) -> Any:
+    """Tensor mesh with the vertices, faces and attributes of a surface."""
+    open3d = require_package("open3d", "open3d", "an Open3D mesh")
+    mesh = open3d.t.geometry.TriangleMesh()
+    mesh.vertex.positions = open3d.core.Tensor(np.array(surface.vertices))
+    mesh.triangle.indices = open3d.core.Tensor(np.array(surface.faces))
+    return write(mesh, surface.attributes)
 
 
 def _tensor(mesh: Any) -> Any:

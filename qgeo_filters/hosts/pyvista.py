@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters.errors import MeshError
+from qgeo_filters.errors import MeshError, require_package
 from qgeo_filters.io.raw_mesh import RawMesh, counted
+from qgeo_filters.surface import Surface
 
 
 def read(mesh: Any, repair: bool) -> RawMesh:
@@ -51,7 +52,7 @@ def write(mesh: Any, attributes: Mapping[str, np.ndarray]) -> Any:
     return copy
 
 
-def pose(mesh: Any, vertices: npt.NDArray[np.float64]) -> Any:
+def with_positions(mesh: Any, vertices: npt.NDArray[np.float64]) -> Any:
     """Deep copy of the mesh at other positions, in the precision of the old ones."""
     copy = mesh.copy(deep=True)
     copy.points = vertices.astype(np.asarray(mesh.points).dtype)
@@ -73,6 +74,13 @@ def pose(mesh: Any, vertices: npt.NDArray[np.float64]) -> Any:
         if per_cell:
             copy.cell_data.set_array(np.array(normals.cell_data["Normals"]), "Normals")
     return copy
+
+
+def make(surface: Surface) -> Any:
+    """PolyData with the vertices, faces and attributes of a surface."""
+    pyvista = require_package("pyvista", "pyvista", "a PyVista mesh")
+    mesh = pyvista.PolyData.from_regular_faces(np.array(surface.vertices), np.array(surface.faces))
+    return write(mesh, surface.attributes)
 
 
 def _corners(mesh: Any) -> np.ndarray:

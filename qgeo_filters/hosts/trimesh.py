@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters.errors import MeshError
+from qgeo_filters.errors import MeshError, require_package
 from qgeo_filters.io.raw_mesh import RawMesh
+from qgeo_filters.surface import Surface
 
 
 def read(mesh: Any, repair: bool) -> RawMesh:
@@ -29,8 +30,15 @@ def write(mesh: Any, attributes: Mapping[str, np.ndarray]) -> Any:
     return copy
 
 
-def pose(mesh: Any, vertices: npt.NDArray[np.float64]) -> Any:
+def with_positions(mesh: Any, vertices: npt.NDArray[np.float64]) -> Any:
     """Copy of the mesh at other positions."""
     copy = mesh.copy()
     copy.vertices = vertices
     return copy
+
+
+def make(surface: Surface) -> Any:
+    """Trimesh with the vertices, faces and attributes of a surface."""
+    trimesh = require_package("trimesh", "trimesh", "a trimesh mesh")
+    mesh = trimesh.Trimesh(np.array(surface.vertices), np.array(surface.faces), process=False)
+    return write(mesh, surface.attributes)

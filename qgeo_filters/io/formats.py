@@ -1,4 +1,4 @@
-"""Surfaces from files and to files, by suffix.
+"""Arrays of meshes from files and to files, by suffix.
 
 ==================  ============================================  =======================================
 suffix              read                                          written
@@ -17,16 +17,19 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
+
+from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.errors import MeshError
 from qgeo_filters.io import off_obj, ply, stl_glb, tosca
 from qgeo_filters.io.raw_mesh import RawMesh
-from qgeo_filters.surface import Surface
 
 Reader = Callable[[Path, bool], RawMesh]
-Writer = Callable[[Path, Surface], None]
+Writer = Callable[[Path, FloatArray, IntArray], None]
 
 _READERS: dict[str, Reader] = {
     ".ply": ply.read,
@@ -40,7 +43,6 @@ _READERS: dict[str, Reader] = {
     ".mat": tosca.read_mat,
 }
 _WRITERS: dict[str, Writer] = {
-    ".ply": ply.write,
     ".off": off_obj.write_off,
     ".obj": off_obj.write_obj,
     ".stl": stl_glb.write_stl,
@@ -51,8 +53,8 @@ _WRITERS: dict[str, Writer] = {
 }
 
 
-def read_surface(path: str | os.PathLike[str], *, repair: bool = False) -> Surface:
-    """Surface from a file.
+def read_raw(path: str | os.PathLike[str], *, repair: bool = False) -> RawMesh:
+    """Arrays of a file, not checked yet; ``repair`` triangulates polygons.
 
     Parameters
     ----------
@@ -60,27 +62,13 @@ def read_surface(path: str | os.PathLike[str], *, repair: bool = False) -> Surfa
         The format is told by the suffix, see the table at the top of this module. Of a TOSCA pair, either
         file or the stem without suffix.
     repair : bool
-        Triangulate polygons and make the mesh manifold and one piece, see `repair.repair_surface`.
 
     Raises
     ------
-    FileNotFoundError
+    FileNotFoundError, IsADirectoryError
     MeshError
-        An unknown suffix, a malformed file, polygons, an invalid mesh; the message starts with the path.
+        An unknown suffix, a malformed file, polygons; the message starts with the path.
     """
-    raw = read_raw(path, repair=repair)
-    try:
-        if repair:
-            from qgeo_filters.hosts.repair import repair_surface
-
-            return repair_surface(raw).surface
-        return raw.surface()
-    except MeshError as error:
-        raise type(error)(f"{os.fspath(path)}: {error}") from error
-
-
-def read_raw(path: str | os.PathLike[str], *, repair: bool = False) -> RawMesh:
-    """Arrays of a file, not checked yet; ``repair`` triangulates polygons."""
     file = Path(path)
     reader = _READERS.get(file.suffix.lower())
     stem = file.parent / f"{file.name}.vert"
@@ -92,20 +80,25 @@ def read_raw(path: str | os.PathLike[str], *, repair: bool = False) -> RawMesh:
         raise IsADirectoryError(f"{file} is a folder, not a mesh")
     if reader is None:
         raise MeshError(f"{file}: unknown suffix {file.suffix!r}; read are {', '.join(_READERS)}")
-    try:
+    with path_in_errors(file):
         return reader(file, repair)
-    except MeshError as error:
-        raise MeshError(f"{file}: {error}") from error
 
 
-def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
-    """Write a surface to a file that is either whole or not there; the format is told by the suffix.
+def write_raw(
+    path: str | os.PathLike[str],
+    vertices: FloatArray,
+    faces: IntArray,
+    attributes: Mapping[str, np.ndarray] | None = None,
+) -> None:
+    """Write arrays to a file that is either whole or not there; the format is told by the suffix.
 
     Parameters
     ----------
-    surface : Surface
     path : path
         PLY keeps everything and reads back bit by bit. The other formats hold no attributes.
+    vertices : (n, 3) float64
+    faces : (m, 3) int32
+    attributes : mapping of str to array, shape (n,) or (n, ...), optional
 
     Warns
     -----
@@ -115,15 +108,32 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
     Raises
     ------
     MeshError
-        An unknown suffix, or an attribute that PLY cannot hold (text, objects).
+        An unknown suffix, or an attribute that PLY cannot hold (text, objects); the message starts with the path.
     OSError
         Where the file cannot be written.
     """
     file = Path(path)
-    writer = _WRITERS.get(file.suffix.lower())
-    if writer is None:
-        raise MeshError(f"{file}: unknown suffix {file.suffix!r}; written are {', '.join(_WRITERS)}")
-    if surface.attributes and file.suffix.lower() != ".ply":
-        names = ", ".join(map(repr, sorted(surface.attributes)))
-        warnings.warn(f"{file}: {file.suffix} holds no attributes, dropped: {names} (write .ply)", stacklevel=2)
-    writer(file, surface)
+    suffix = file.suffix.lower()
+    writer = _WRITERS.get(suffix)
+    with path_in_errors(file):
+        if suffix == ".ply":
+            ply.write(file, vertices, faces, attributes or {})
+            return
+        if writer is None:
+            raise MeshError(f"unknown suffix {file.suffix!r}; written are .ply, {', '.join(_WRITERS)}")
+    if attributes:
+        names = ", ".join(map(repr, sorted(attributes)))
+        # The level is that of who calls Surface.write.
+        warnings.warn(f"{file}: {file.suffix} holds no attributes, dropped: {names} (write .ply)", stacklevel=3)
+    writer(file, vertices, faces)
+
+
+@contextmanager
+def path_in_errors(path: str | os.PathLike[str] | None) -> Iterator[None]:
+    """Context in which the message of a `MeshError` gets the path in front; None: nothing."""
+    try:
+        yield
+    except MeshError as error:
+        if path is None:
+            raise
+        raise type(error)(f"{os.fspath(path)}: {error}") from error

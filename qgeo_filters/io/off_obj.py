@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import MeshError
 from qgeo_filters.io.raw_mesh import RawMesh, triangles
-from qgeo_filters.surface import Surface
 
 
 def read_off(path: Path, repair: bool) -> RawMesh:
@@ -72,19 +72,19 @@ def read_obj(path: Path, repair: bool) -> RawMesh:
     return RawMesh(_positions(vertices, 1), faces, notes=notes)
 
 
-def write_off(path: Path, surface: Surface) -> None:
+def write_off(path: Path, vertices: FloatArray, faces: IntArray) -> None:
     """Write as OFF with 17 digits, which give back every bit."""
     with atomic_write(path) as file:
-        file.write(f"OFF\n{surface.n_vertices} {surface.n_faces} 0\n".encode())
-        np.savetxt(file, surface.vertices, fmt="%.17g")
-        np.savetxt(file, surface.faces, fmt="3 %d %d %d")
+        file.write(f"OFF\n{len(vertices)} {len(faces)} 0\n".encode())
+        np.savetxt(file, vertices, fmt="%.17g")
+        np.savetxt(file, faces, fmt="3 %d %d %d")
 
 
-def write_obj(path: Path, surface: Surface) -> None:
+def write_obj(path: Path, vertices: FloatArray, faces: IntArray) -> None:
     """Write as OBJ with 17 digits, which give back every bit."""
     with atomic_write(path) as file:
-        np.savetxt(file, surface.vertices, fmt="v %.17g %.17g %.17g")
-        np.savetxt(file, surface.faces.astype(np.int64) + 1, fmt="f %d %d %d")
+        np.savetxt(file, vertices, fmt="v %.17g %.17g %.17g")
+        np.savetxt(file, faces.astype(np.int64) + 1, fmt="f %d %d %d")
 
 
 def _off_faces(rows: list[tuple[int, str]]) -> Any:

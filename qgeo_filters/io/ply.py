@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 import plyfile
 
+from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import MeshError
 from qgeo_filters.io.raw_mesh import RawMesh, triangles
-from qgeo_filters.surface import Surface
 
 _MARK = "qgeo_attribute "
 _NATIVE = {"i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8"}
@@ -47,7 +47,7 @@ def read(path: Path, repair: bool) -> RawMesh:
     return RawMesh(positions, faces, _attributes(columns, ply.comments, len(vertex)), notes)
 
 
-def write(path: Path, surface: Surface) -> None:
+def write(path: Path, vertices: FloatArray, faces: IntArray, attributes: Mapping[str, np.ndarray]) -> None:
     """Write as binary PLY with every attribute.
 
     Raises
@@ -55,9 +55,9 @@ def write(path: Path, surface: Surface) -> None:
     MeshError
         An attribute that holds no numbers.
     """
-    columns = dict(zip("xyz", surface.vertices.T.astype("<f8"), strict=True))
+    columns = dict(zip("xyz", vertices.T.astype("<f8"), strict=True))
     comments = []
-    for position, (name, values) in enumerate(surface.attributes.items()):
+    for position, (name, values) in enumerate(attributes.items()):
         table = _stored(name, values)
         properties = _property_names(name, values, table.shape[1], position, set(columns))
         columns.update(zip(properties, table.T, strict=True))
@@ -69,17 +69,17 @@ def write(path: Path, surface: Surface) -> None:
             "count": len(properties),
         }
         comments.append(_MARK + json.dumps(entry))
-    vertex = np.empty(surface.n_vertices, [(name, values.dtype) for name, values in columns.items()])
+    vertex = np.empty(len(vertices), [(name, values.dtype) for name, values in columns.items()])
     for name, values in columns.items():
         vertex[name] = values
-    face = np.empty(surface.n_faces, [("count", "u1"), ("corners", "<i4", (3,))])
-    face["count"], face["corners"] = 3, surface.faces
+    face = np.empty(len(faces), [("count", "u1"), ("corners", "<i4", (3,))])
+    face["count"], face["corners"] = 3, faces
     template = [
         plyfile.PlyElement.describe(vertex, "vertex"),
         plyfile.PlyElement.describe(np.empty(0, [(_CORNER_NAMES[0], "<i4", (3,))]), "face"),
     ]
     header: str = plyfile.PlyData(template, byte_order="<", comments=comments).header
-    header = header.replace("element face 0", f"element face {surface.n_faces}")
+    header = header.replace("element face 0", f"element face {len(faces)}")
     with atomic_write(path) as file:  # plyfile writes lists row by row, 200 times slower
         file.write(header.encode("ascii") + b"\n" + vertex.tobytes() + face.tobytes())
 

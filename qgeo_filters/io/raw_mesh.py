@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.errors import MeshError
-from qgeo_filters.surface import Surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,10 +29,6 @@ class RawMesh:
     faces: npt.ArrayLike
     attributes: Mapping[str, npt.ArrayLike] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
-
-    def surface(self) -> Surface:
-        """Validated surface; raises `MeshError` for what cannot be one."""
-        return Surface(self.vertices, self.faces, self.attributes)
 
 
 def triangles(polygons: Sequence[Any] | np.ndarray, repair: bool) -> tuple[np.ndarray, tuple[str, ...]]:

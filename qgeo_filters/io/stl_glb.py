@@ -7,10 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import MeshError, require_package
 from qgeo_filters.io.raw_mesh import RawMesh, weld
-from qgeo_filters.surface import Surface
+from qgeo_filters.triangle_geometry import face_crosses, unit_normals
 
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -32,13 +33,13 @@ def read_stl(path: Path, repair: bool) -> RawMesh:
     return RawMesh(points, index.reshape(-1, 3))
 
 
-def write_stl(path: Path, surface: Surface) -> None:
+def write_stl(path: Path, vertices: FloatArray, faces: IntArray) -> None:
     """Write as binary STL, in float32, which is all that it holds."""
-    facets = np.zeros(surface.n_faces, _FACET)
-    facets["normal"] = surface.face_normals
-    facets["corners"] = surface.vertices[surface.faces]
+    facets = np.zeros(len(faces), _FACET)
+    facets["normal"] = unit_normals(face_crosses(vertices, faces))
+    facets["corners"] = vertices[faces]
     with atomic_write(path) as file:
-        file.write(b"qgeo-filters".ljust(80) + np.uint32(surface.n_faces).tobytes() + facets.tobytes())
+        file.write(b"qgeo-filters".ljust(80) + np.uint32(len(faces)).tobytes() + facets.tobytes())
 
 
 def read_glb(path: Path, repair: bool) -> RawMesh:
@@ -55,10 +56,10 @@ def read_glb(path: Path, repair: bool) -> RawMesh:
     return RawMesh(points, index[np.asarray(mesh.faces)])
 
 
-def write_glb(path: Path, surface: Surface) -> None:
+def write_glb(path: Path, vertices: FloatArray, faces: IntArray) -> None:
     """Write as binary glTF, in float32."""
     trimesh = require_package("trimesh", "trimesh", f"writing {path.name}")
-    mesh = trimesh.Trimesh(surface.vertices, surface.faces, process=False, validate=False)
+    mesh = trimesh.Trimesh(vertices, faces, process=False, validate=False)
     with atomic_write(path) as file:
         file.write(mesh.export(file_type="glb"))
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import scipy.io
 
+from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.atomic import atomic_path
 from qgeo_filters.errors import MeshError
 from qgeo_filters.io.raw_mesh import RawMesh
-from qgeo_filters.surface import Surface
 
 
 def read_pair(path: Path, repair: bool) -> RawMesh:
@@ -45,17 +45,17 @@ def read_mat(path: Path, repair: bool) -> RawMesh:
     raise MeshError(f"no mesh with fields X, Y, Z, TRIV (or VERT, TRIV) found; the file holds {names}")
 
 
-def write_pair(path: Path, surface: Surface) -> None:
+def write_pair(path: Path, vertices: FloatArray, faces: IntArray) -> None:
     """Write both files with 17 digits, which give back every bit."""
     with atomic_path(path.with_suffix(".vert")) as vert, atomic_path(path.with_suffix(".tri")) as tri:
-        np.savetxt(vert, surface.vertices, fmt="%.17g")
-        np.savetxt(tri, surface.faces.astype(np.int64) + 1, fmt="%d")
+        np.savetxt(vert, vertices, fmt="%.17g")
+        np.savetxt(tri, faces.astype(np.int64) + 1, fmt="%d")
 
 
-def write_mat(path: Path, surface: Surface) -> None:
+def write_mat(path: Path, vertices: FloatArray, faces: IntArray) -> None:
     """Write the variable ``surface`` with fields X, Y, Z, TRIV."""
-    x, y, z = surface.vertices.T[:, :, None]
-    fields: dict[str, Any] = {"X": x, "Y": y, "Z": z, "TRIV": surface.faces.astype(np.float64) + 1}
+    x, y, z = vertices.T[:, :, None]
+    fields: dict[str, Any] = {"X": x, "Y": y, "Z": z, "TRIV": faces.astype(np.float64) + 1}
     with atomic_path(path) as temporary:
         scipy.io.savemat(temporary, {"surface": fields}, appendmat=False)
 

@@ -13,7 +13,6 @@ from shapes import blob, fan, grid, icosphere
 from typer.testing import CliRunner, Result
 
 from qgeo_filters.cli import app
-from qgeo_filters.io.formats import write_surface
 from qgeo_filters.report import panels
 from qgeo_filters.surface import Surface
 
@@ -36,7 +35,7 @@ def meshes(tmp_path: Path) -> Path:
         ("mirror.off", bilateral()),
         ("fan.off", fan()),
     ):
-        write_surface(Surface(*shape), tmp_path / name)
+        Surface(*shape).write(tmp_path / name)
     (tmp_path / "broken.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 nan\n3 0 1 9\n")
     return tmp_path
 

@@ -11,7 +11,7 @@ import pytest
 from host_meshes import ATTRIBUTES, FACES, VERTICES, N, assert_attributes
 
 from qgeo_filters.errors import MeshError
-from qgeo_filters.hosts.dispatch import as_surface, like_host, with_vertices
+from qgeo_filters.hosts.dispatch import as_surface, with_positions, write_back
 from qgeo_filters.surface import Surface
 
 
@@ -30,7 +30,7 @@ def test_arrays_become_a_surface_with_attributes(make):
     surface = as_surface(host)
     np.testing.assert_array_equal(surface.vertices, VERTICES)
     np.testing.assert_array_equal(surface.faces, FACES)
-    out = like_host(host, surface, ATTRIBUTES)
+    out = write_back(host, surface, ATTRIBUTES)
     assert isinstance(out, Surface)
     assert_attributes(out, ATTRIBUTES)
 
@@ -41,7 +41,7 @@ def test_a_surface_is_taken_as_it_is():
 
 
 def test_a_pair_is_posed_as_a_pair():
-    posed = with_vertices((VERTICES, FACES), 2 * VERTICES)
+    posed = with_positions((VERTICES, FACES), 2 * VERTICES)
     assert isinstance(posed, tuple)
     np.testing.assert_array_equal(posed[0], 2 * VERTICES)
     assert posed[1] is FACES
@@ -53,8 +53,8 @@ def test_paths_become_surfaces(tmp_path):
     for path in (file, str(file)):
         surface = as_surface(path)
         np.testing.assert_array_equal(surface.vertices, VERTICES)
-        assert_attributes(like_host(path, surface, ATTRIBUTES), ATTRIBUTES)
-        np.testing.assert_array_equal(with_vertices(path, 2 * VERTICES).vertices, 2 * VERTICES)
+        assert_attributes(write_back(path, surface, ATTRIBUTES), ATTRIBUTES)
+        np.testing.assert_array_equal(with_positions(path, 2 * VERTICES).vertices, 2 * VERTICES)
 
 
 @pytest.mark.parametrize("thing", [3, None, (VERTICES,), (VERTICES, FACES, 3), np.zeros((2, 3)), object()])
@@ -66,7 +66,7 @@ def test_what_is_no_mesh_is_named(thing):
 def test_attribute_of_wrong_length_is_named():
     surface = as_surface((VERTICES, FACES))
     with pytest.raises(MeshError, match=rf"attribute 'a' has shape \(3,\), but there are {N} vertices"):
-        like_host((VERTICES, FACES), surface, {"a": np.zeros(3)})
+        write_back((VERTICES, FACES), surface, {"a": np.zeros(3)})
 
 
 def test_trimesh_both_ways():
@@ -78,14 +78,14 @@ def test_trimesh_both_ways():
     )  # fmt: skip
     surface = as_surface(mesh)
     np.testing.assert_array_equal(surface.attributes["own"], np.arange(N))
-    out = like_host(mesh, surface, ATTRIBUTES)
+    out = write_back(mesh, surface, ATTRIBUTES)
     assert type(out) is trimesh.Trimesh
     assert_attributes(as_surface(out), {**ATTRIBUTES, "own": np.arange(N)})
     np.testing.assert_array_equal(out.visual.vertex_colors, colors)
     np.testing.assert_array_equal(out.face_attributes["own"], np.arange(len(FACES)))
     assert out.metadata["note"] == "kept"
     assert set(mesh.vertex_attributes) == {"own"}
-    posed = with_vertices(out, 2 * VERTICES)
+    posed = with_positions(out, 2 * VERTICES)
     np.testing.assert_array_equal(posed.vertices, 2 * VERTICES)
     assert_attributes(as_surface(posed), ATTRIBUTES)
     np.testing.assert_array_equal(mesh.vertices, VERTICES)

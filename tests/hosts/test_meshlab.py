@@ -9,7 +9,7 @@ import pytest
 from host_meshes import ATTRIBUTES, FACES, VERTICES, M, N, assert_attributes
 
 from qgeo_filters.errors import MeshError
-from qgeo_filters.hosts.dispatch import as_surface, like_host, with_vertices
+from qgeo_filters.hosts.dispatch import as_surface, with_positions, write_back
 
 pymeshlab = pytest.importorskip("pymeshlab")
 SAMPLES = Path(pymeshlab.__file__).parent / "tests" / "sample_meshes"
@@ -86,7 +86,7 @@ def test_arrays_and_attributes_come_along(meshes):
 
 
 def test_attributes_go_and_come_back(meshes):
-    out = like_host(meshes, as_surface(meshes), ATTRIBUTES)
+    out = write_back(meshes, as_surface(meshes), ATTRIBUTES)
     assert type(out) is pymeshlab.MeshSet
     assert_attributes(as_surface(out), ATTRIBUTES, exact_dtype=False)  # PyMeshLab has float64 only
     layer = out.current_mesh()
@@ -97,7 +97,7 @@ def test_attributes_go_and_come_back(meshes):
 
 def test_layers_and_what_they_hold_survive(meshes):
     expected = content(meshes.current_mesh())
-    out = like_host(meshes, as_surface(meshes), ATTRIBUTES)
+    out = write_back(meshes, as_surface(meshes), ATTRIBUTES)
     assert [(layer.id(), layer.label()) for layer in out] == [(0, "cow.obj"), (2, "the blob"), (3, "points")]
     assert [layer.is_visible() for layer in out] == [True, True, False]
     assert out.current_mesh_id() == 2
@@ -110,7 +110,7 @@ def test_layers_and_what_they_hold_survive(meshes):
 
 def test_the_input_is_not_changed(meshes):
     before = content(meshes.current_mesh())
-    out = like_host(meshes, as_surface(meshes), {**ATTRIBUTES, "own": np.zeros(N)})
+    out = write_back(meshes, as_surface(meshes), {**ATTRIBUTES, "own": np.zeros(N)})
     out.apply_coord_laplacian_smoothing()
     out.set_current_mesh(0)
     out.delete_current_mesh()
@@ -122,9 +122,9 @@ def test_the_input_is_not_changed(meshes):
 
 def test_attributes_can_be_replaced(meshes):
     expected = content(meshes.current_mesh())
-    once = like_host(meshes, as_surface(meshes), ATTRIBUTES)
+    once = write_back(meshes, as_surface(meshes), ATTRIBUTES)
     new = {"qgeo_scalar": np.arange(N), "own_point": np.ones((N, 3)), "qgeo_wide": np.ones((N, 12))}
-    twice = like_host(once, as_surface(once), new)
+    twice = write_back(once, as_surface(once), new)
     assert_attributes(as_surface(twice), {**ATTRIBUTES, **new}, exact_dtype=False)
     assert_content(twice.current_mesh(), expected, but=["own_point"])
     assert [layer.id() for layer in twice] == [0, 2, 3]
@@ -132,14 +132,14 @@ def test_attributes_can_be_replaced(meshes):
 
 
 def test_attributes_work_in_function_filters(meshes):
-    out = like_host(meshes, as_surface(meshes), ATTRIBUTES)
+    out = write_back(meshes, as_surface(meshes), ATTRIBUTES)
     out.compute_scalar_by_function_per_vertex(q="2 * qgeo_scalar + qgeo_wide_11", onselected=False)
     expected = 2 * ATTRIBUTES["qgeo_scalar"] + ATTRIBUTES["qgeo_wide"][:, 11]
     np.testing.assert_allclose(out.current_mesh().vertex_scalar_array(), expected, rtol=1e-12)
 
 
 def test_attributes_can_be_saved_by_the_host(meshes, tmp_path):
-    out = like_host(meshes, as_surface(meshes), {"qgeo_scalar": ATTRIBUTES["qgeo_scalar"]})
+    out = write_back(meshes, as_surface(meshes), {"qgeo_scalar": ATTRIBUTES["qgeo_scalar"]})
     file = tmp_path / "saved.ply"
     out.save_current_mesh(str(file), __ca_vs__qgeo_scalar=True)
     read = as_surface(file)
@@ -150,7 +150,7 @@ def test_attributes_can_be_saved_by_the_host(meshes, tmp_path):
 def test_a_textured_mesh_keeps_its_image(tmp_path):
     meshes = pymeshlab.MeshSet()
     meshes.load_new_mesh(str(SAMPLES / "bunny10k_textured.obj"))
-    out = like_host(meshes, as_surface(meshes), {"qgeo_a": np.zeros(5051)})
+    out = write_back(meshes, as_surface(meshes), {"qgeo_a": np.zeros(5051)})
     layer = out.current_mesh()
     (name,) = meshes.current_mesh().textures()
     assert list(layer.textures()) == [name]
@@ -174,11 +174,11 @@ def test_several_texture_images_are_missed_aloud(tmp_path):
     meshes = pymeshlab.MeshSet()
     meshes.load_new_mesh(str(tmp_path / "two.obj"))
     with pytest.warns(UserWarning, match="'two.obj' has 2 texture images"):
-        like_host(meshes, as_surface(meshes), {"qgeo_a": np.zeros(4)})
+        write_back(meshes, as_surface(meshes), {"qgeo_a": np.zeros(4)})
 
 
 def test_a_bare_mesh_comes_back_in_a_mesh_set(meshes):
-    out = like_host(meshes.mesh(0), as_surface(meshes.mesh(0)), {"qgeo_a": np.arange(2904)})
+    out = write_back(meshes.mesh(0), as_surface(meshes.mesh(0)), {"qgeo_a": np.arange(2904)})
     assert type(out) is pymeshlab.MeshSet
     assert [(layer.id(), layer.label()) for layer in out] == [(0, "cow.obj")]
     assert set(as_surface(out).attributes) == {"qgeo_a", "of_the_cow"}
@@ -187,12 +187,12 @@ def test_a_bare_mesh_comes_back_in_a_mesh_set(meshes):
 def test_pose_keeps_everything_but_positions_and_normals(meshes):
     expected = content(meshes.current_mesh())
     posed = np.random.default_rng(1).normal(size=(N, 3)) * 77
-    out = with_vertices(meshes, posed)
+    out = with_positions(meshes, posed)
     np.testing.assert_array_equal(as_surface(out).vertices, posed)
     assert_content(out.current_mesh(), expected, but=["vertex_matrix", "vertex_normal_matrix"])
     assert [layer.id() for layer in out] == [0, 2, 3]
     assert_content(meshes.current_mesh(), expected)
-    posed, fresh = with_vertices(meshes, VERTICES[:, [1, 2, 0]]), with_vertices(meshes, VERTICES)
+    posed, fresh = with_positions(meshes, VERTICES[:, [1, 2, 0]]), with_positions(meshes, VERTICES)
     turned_normals = posed.current_mesh().vertex_normal_matrix()  # a mesh does not outlive its set: keep both
     fresh_normals = fresh.current_mesh().vertex_normal_matrix()
     np.testing.assert_allclose(turned_normals, fresh_normals[:, [1, 2, 0]], atol=1e-12)
@@ -209,22 +209,22 @@ def test_numbered_names_of_the_user_are_left_alone(meshes):
 
 def test_names_that_break_the_host_are_refused(meshes):
     with pytest.raises(MeshError, match="attribute 'a b' must be an identifier"):
-        like_host(meshes, as_surface(meshes), {"a b": np.zeros(N)})
+        write_back(meshes, as_surface(meshes), {"a b": np.zeros(N)})
     for bad in (np.zeros((N, 2, 2)), np.zeros(N, complex), np.array(["a"] * N)):
         with pytest.raises(MeshError, match=r"attribute 'bad' of dtype .* cannot be held by PyMeshLab"):
-            like_host(meshes, as_surface(meshes), {"bad": bad})
+            write_back(meshes, as_surface(meshes), {"bad": bad})
 
 
 def test_attributes_whose_names_are_not_told_are_missed_aloud(meshes):
     meshes.current_mesh().add_vertex_custom_scalar_attribute(np.ones(N), "odd name")
     with pytest.warns(UserWarning, match="1 custom attribute of layer 'the blob' cannot be copied"):
-        out = like_host(meshes, as_surface(meshes), {"qgeo_a": np.zeros(N)})
+        out = write_back(meshes, as_surface(meshes), {"qgeo_a": np.zeros(N)})
     assert set(as_surface(out).attributes) == {"own", "own_point", "colors", "qgeo_a"}
 
 
 def test_nothing_is_printed(meshes, capfd):
-    like_host(meshes, as_surface(meshes), ATTRIBUTES)
-    with_vertices(meshes, VERTICES)
+    write_back(meshes, as_surface(meshes), ATTRIBUTES)
+    with_positions(meshes, VERTICES)
     captured = capfd.readouterr()
     assert captured.out == ""
     assert captured.err == ""

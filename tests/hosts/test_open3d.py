@@ -7,7 +7,7 @@ import pytest
 from host_meshes import ATTRIBUTES, FACES, VERTICES, M, N, assert_attributes
 
 from qgeo_filters.errors import MeshError
-from qgeo_filters.hosts.dispatch import as_surface, like_host, with_vertices
+from qgeo_filters.hosts.dispatch import as_surface, with_positions, write_back
 
 o3d = pytest.importorskip("open3d")
 
@@ -65,7 +65,7 @@ def test_arrays_and_attributes_come_along(mesh):
 
 
 def test_attributes_go_and_come_back(mesh):
-    out = like_host(mesh, as_surface(mesh), ATTRIBUTES)
+    out = write_back(mesh, as_surface(mesh), ATTRIBUTES)
     assert type(out) is type(mesh)
     exact = {name: values for name, values in ATTRIBUTES.items() if name != "qgeo_mask"}
     assert_attributes(as_surface(out), exact)
@@ -78,7 +78,7 @@ def test_attributes_go_and_come_back(mesh):
 
 def test_what_the_host_holds_survives_and_the_input_is_not_changed(mesh):
     before = content(mesh)
-    out = like_host(mesh, as_surface(mesh), ATTRIBUTES)
+    out = write_back(mesh, as_surface(mesh), ATTRIBUTES)
     assert_content(out, before)
     assert out.material.material_name == "defaultLit"
     assert out.material.scalar_properties["roughness"] == 0.125
@@ -91,14 +91,14 @@ def test_what_the_host_holds_survives_and_the_input_is_not_changed(mesh):
 
 
 def test_an_attribute_can_be_replaced(mesh):
-    once = like_host(mesh, as_surface(mesh), {"qgeo_a": np.zeros(N)})
-    twice = like_host(once, as_surface(once), {"qgeo_a": np.ones((N, 2))})
+    once = write_back(mesh, as_surface(mesh), {"qgeo_a": np.zeros(N)})
+    twice = write_back(once, as_surface(once), {"qgeo_a": np.ones((N, 2))})
     np.testing.assert_array_equal(as_surface(twice).attributes["qgeo_a"], np.ones((N, 2)))
     assert not as_surface(once).attributes["qgeo_a"].any()
 
 
 def test_attributes_survive_operations_of_the_host(mesh):
-    out = like_host(mesh, as_surface(mesh), ATTRIBUTES)
+    out = write_back(mesh, as_surface(mesh), ATTRIBUTES)
     keep = np.arange(N // 2)
     part = as_surface(out.select_by_index(tensor(keep)))
     index = part.attributes["own"]  # the vertices that Open3D really kept
@@ -112,7 +112,7 @@ def test_single_precision_and_int32_meshes():
     mesh = o3d.t.geometry.TriangleMesh(tensor(VERTICES.astype(np.float32)), tensor(FACES.astype(np.int32)))
     surface = as_surface(mesh)
     np.testing.assert_array_equal(surface.vertices, VERTICES.astype(np.float32))
-    out = like_host(mesh, surface, ATTRIBUTES)
+    out = write_back(mesh, surface, ATTRIBUTES)
     assert out.vertex.positions.dtype == o3d.core.float32
     assert out.triangle.indices.dtype == o3d.core.int32
 
@@ -127,12 +127,12 @@ def test_other_layouts_of_attributes_are_held(mesh):
         "big": np.linspace(0, 1, N).astype(">f8"),
         "fortran": np.asfortranarray(np.random.default_rng(0).random((N, 4))),
     }
-    out = like_host(mesh, as_surface(mesh), values)
+    out = write_back(mesh, as_surface(mesh), values)
     assert_attributes(as_surface(out), values, exact_dtype=False)
     assert set(as_surface(out.clip_plane([0, 0, 0.05], [0, 0, 1.0])).attributes) >= set(values)
     for bad in (np.zeros(N, complex), np.array(["a"] * N)):
         with pytest.raises(MeshError, match=r"attribute 'bad' of dtype .* cannot be held by an Open3D mesh"):
-            like_host(mesh, as_surface(mesh), {"bad": bad})
+            write_back(mesh, as_surface(mesh), {"bad": bad})
 
 
 def test_an_attribute_that_open3d_has_lost_is_named(mesh):
@@ -145,7 +145,7 @@ def test_legacy_comes_back_as_tensor_in_full_precision(legacy):
     surface = as_surface(legacy)
     np.testing.assert_array_equal(surface.vertices, VERTICES)
     np.testing.assert_array_equal(surface.attributes["colors"], np.abs(VERTICES / 3))
-    out = like_host(legacy, surface, ATTRIBUTES)
+    out = write_back(legacy, surface, ATTRIBUTES)
     assert isinstance(out, o3d.t.geometry.TriangleMesh)
     expected = {**ATTRIBUTES, "normals": np.asarray(legacy.vertex_normals)}
     assert_attributes(as_surface(out), expected, exact_dtype=False)
@@ -154,7 +154,7 @@ def test_legacy_comes_back_as_tensor_in_full_precision(legacy):
 
 def test_pose_keeps_everything_but_positions_and_normals(mesh):
     before = content(mesh)
-    posed = with_vertices(mesh, VERTICES[:, [1, 2, 0]])  # a rotation
+    posed = with_positions(mesh, VERTICES[:, [1, 2, 0]])  # a rotation
     np.testing.assert_array_equal(as_surface(posed).vertices, VERTICES[:, [1, 2, 0]])
     kept = {key: v for key, v in before.items() if key[1] not in ("positions", "normals")}
     assert_content(posed, kept)
@@ -163,7 +163,7 @@ def test_pose_keeps_everything_but_positions_and_normals(mesh):
     np.testing.assert_allclose(posed.vertex.normals.numpy(), expected, atol=1e-6)
     assert_content(mesh, before)
     with pytest.raises(MeshError, match=r"the pose has shape \(3, 3\), expected"):
-        with_vertices(mesh, np.eye(3))
+        with_positions(mesh, np.eye(3))
 
 
 def test_what_is_no_mesh_is_named():

@@ -10,7 +10,7 @@ import pytest
 from host_meshes import ATTRIBUTES, FACES, VERTICES, M, N, assert_attributes
 
 from qgeo_filters.errors import MeshError
-from qgeo_filters.hosts.dispatch import as_surface, like_host, with_vertices
+from qgeo_filters.hosts.dispatch import as_surface, with_positions, write_back
 from qgeo_filters.hosts.repair import repair_surface
 
 pyvista = pytest.importorskip("pyvista")
@@ -37,7 +37,7 @@ def test_arrays_and_attributes_come_along(mesh):
 
 def test_attributes_go_and_come_back_and_the_host_keeps_its_own(mesh):
     names = set(mesh.point_data.keys())
-    out = like_host(mesh, as_surface(mesh), ATTRIBUTES)
+    out = write_back(mesh, as_surface(mesh), ATTRIBUTES)
     assert type(out) is pyvista.PolyData
     assert_attributes(as_surface(out), {**ATTRIBUTES, "own": np.arange(N, dtype=np.int16)})
     np.testing.assert_array_equal(out.cell_data["own"], np.arange(M))
@@ -48,7 +48,7 @@ def test_attributes_go_and_come_back_and_the_host_keeps_its_own(mesh):
 
 
 def test_the_copy_shares_nothing_with_the_input(mesh):
-    out = like_host(mesh, as_surface(mesh), ATTRIBUTES)
+    out = write_back(mesh, as_surface(mesh), ATTRIBUTES)
     out.points[:] = 0
     out.point_data["own"][:] = 0
     out.point_data["qgeo_scalar"][:] = 0
@@ -58,7 +58,7 @@ def test_the_copy_shares_nothing_with_the_input(mesh):
 
 
 def test_attributes_survive_operations_of_the_host(mesh):
-    out = like_host(mesh, as_surface(mesh), ATTRIBUTES)
+    out = write_back(mesh, as_surface(mesh), ATTRIBUTES)
     part = as_surface(out.extract_cells(np.arange(M // 2)).extract_surface(algorithm=None))
     np.testing.assert_array_equal(part.attributes["qgeo_wide"], ATTRIBUTES["qgeo_wide"][part.attributes["own"]])
     clipped = out.clip("z")
@@ -66,8 +66,8 @@ def test_attributes_survive_operations_of_the_host(mesh):
 
 
 def test_pose(mesh):
-    out = like_host(mesh, as_surface(mesh), ATTRIBUTES).compute_normals(split_vertices=False, auto_orient_normals=True)
-    posed = with_vertices(out, VERTICES[:, [1, 2, 0]])
+    out = write_back(mesh, as_surface(mesh), ATTRIBUTES).compute_normals(split_vertices=False, auto_orient_normals=True)
+    posed = with_positions(out, VERTICES[:, [1, 2, 0]])
     np.testing.assert_array_equal(posed.points, VERTICES[:, [1, 2, 0]])
     assert_attributes(as_surface(posed), ATTRIBUTES)
     np.testing.assert_array_equal(posed.faces, out.faces)
@@ -101,7 +101,7 @@ def test_other_data_sets_are_named(mesh):
         as_surface(pyvista.PolyData())
     for bad in (np.zeros((N, 2, 2)), np.array(["a"] * N)):
         with pytest.raises(MeshError, match=r"attribute 'bad' of dtype .* cannot be held by a PyVista mesh"):
-            like_host(mesh, as_surface(mesh), {"bad": bad})
+            write_back(mesh, as_surface(mesh), {"bad": bad})
 
 
 needs_accessors = pytest.mark.skipif(

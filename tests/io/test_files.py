@@ -10,7 +10,7 @@ from host_meshes import ATTRIBUTES
 from shapes import blob, icosphere
 
 from qgeo_filters.errors import MeshError
-from qgeo_filters.io.formats import read_raw, read_surface, write_surface
+from qgeo_filters.io.formats import read_raw
 from qgeo_filters.surface import Surface
 
 V, F = blob(1)
@@ -53,7 +53,7 @@ def test_both_files_of_a_pair_are_written_and_any_name_reads_them(tmp_path):
     assert {file.name for file in tmp_path.iterdir()} == {"shape.vert", "shape.tri"}
     assert (tmp_path / "shape.tri").read_text().split()[:3] == [str(i + 1) for i in F[0]]
     for name in ("shape.vert", "shape.tri", "shape"):
-        np.testing.assert_array_equal(read_surface(tmp_path / name).faces, F)
+        np.testing.assert_array_equal(Surface.read(tmp_path / name).faces, F)
 
 
 @pytest.mark.parametrize("suffix", [".off", ".obj", ".stl", ".vert", ".mat", ".glb"])
@@ -66,7 +66,7 @@ def test_attributes_are_dropped_aloud(tmp_path, suffix):
 
 def test_suffixes_may_be_in_capitals(tmp_path):
     SURFACE.write(tmp_path / "shape.OFF")
-    assert read_surface(str(tmp_path / "shape.OFF")).n_faces == SURFACE.n_faces
+    assert Surface.read(str(tmp_path / "shape.OFF")).n_faces == SURFACE.n_faces
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".off", ".obj", ".stl", ".mat", ".vert"])
@@ -103,7 +103,7 @@ def test_off_dialects(tmp_path):
         "windows": f"OFF\r\n3 1 0\r\n{plain}3 0 1 2\r\n",
         "exponents": "OFF\n3 1 0\n0e0 0 0\n1.0E+0 0 0\n.0 1. 0\n3 0 1 2\n",
     }.items():
-        surface = read_surface(wrote(tmp_path, "a.off", text))
+        surface = Surface.read(wrote(tmp_path, "a.off", text))
         np.testing.assert_array_equal(surface.vertices, [[0, 0, 0], [1, 0, 0], [0, 1, 0]], err_msg=name)
         np.testing.assert_array_equal(surface.faces, [[0, 1, 2]], err_msg=name)
 
@@ -119,7 +119,7 @@ def test_obj_dialects(tmp_path):
         "continued lines": SQUARE + "f 1 2 \\\n3\nf \\\n1 3 4\n",
         "comments and tabs": "# a\n" + SQUARE.replace("v ", "v\t") + "f 1 2 3 # b\nf\t1 3 4\nl 1 2\n",
     }.items():
-        surface = read_surface(wrote(tmp_path, "a.obj", text))
+        surface = Surface.read(wrote(tmp_path, "a.obj", text))
         np.testing.assert_array_equal(surface.vertices, [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], err_msg=name)
         np.testing.assert_array_equal(surface.faces, [[0, 1, 2], [0, 2, 3]], err_msg=name)
 
@@ -127,7 +127,7 @@ def test_obj_dialects(tmp_path):
 def test_ascii_stl_is_welded(tmp_path):
     text = "solid x\n" + "facet normal 0 0 1\n outer loop\n{}\n endloop\nendfacet\n" * 2 + "endsolid x\n"
     first, second = ("vertex 0 0 0\nvertex 1 0 0\nVERTEX 1 1 0", "vertex -0 0 0\nvertex 1e0 1 0\nvertex 0 1 0")
-    surface = read_surface(wrote(tmp_path, "a.stl", text.format(first, second)))
+    surface = Surface.read(wrote(tmp_path, "a.stl", text.format(first, second)))
     np.testing.assert_array_equal(surface.vertices, [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
     np.testing.assert_array_equal(surface.faces, [[0, 1, 2], [0, 2, 3]])
 
@@ -136,7 +136,7 @@ def test_binary_stl_that_begins_like_an_ascii_one(tmp_path):
     file = tmp_path / "a.stl"
     SURFACE.write(file)
     file.write_bytes(b"solid" + file.read_bytes()[5:])
-    assert read_surface(file).n_faces == SURFACE.n_faces
+    assert Surface.read(file).n_faces == SURFACE.n_faces
 
 
 def test_glb_scene_is_placed_and_joined(tmp_path):
@@ -150,7 +150,7 @@ def test_glb_scene_is_placed_and_joined(tmp_path):
         transform=trimesh.transformations.scale_matrix(2, [9, 0, 0]),
     )
     (tmp_path / "a.glb").write_bytes(scene.export(file_type="glb"))
-    surface = read_surface(tmp_path / "a.glb")
+    surface = Surface.read(tmp_path / "a.glb")
     assert surface.components[0] == 2
     assert surface.area == pytest.approx(5 * Surface(v, f).area, rel=1e-6)
 
@@ -162,7 +162,7 @@ def test_mat_forms(tmp_path, form):
     x, y, z = V.T[:, :, None]
     fields = {"TRIV": F + 1.0, **({"VERT": V} if "VERT" in form else {"X": x, "Y": y, "Z": z})}
     scipy.io.savemat(tmp_path / "a.mat", fields if form == "variables" else {"shape": fields})
-    surface = read_surface(tmp_path / "a.mat")
+    surface = Surface.read(tmp_path / "a.mat")
     np.testing.assert_array_equal(surface.vertices, V)
     np.testing.assert_array_equal(surface.faces, F)
 
@@ -212,7 +212,7 @@ def test_broken_files_are_named_with_the_reason_on_one_line(tmp_path, name, capf
         pytest.importorskip("trimesh")
     file = wrote(tmp_path, name, text)
     with pytest.raises(MeshError, match=message) as caught:
-        read_surface(file)
+        Surface.read(file)
     assert str(caught.value).startswith(f"{file}: ")
     assert "\n" not in str(caught.value)
     assert capfd.readouterr() == ("", "")
@@ -227,10 +227,10 @@ def test_broken_tables(tmp_path):
     ):
         wrote(tmp_path, "a.tri", text)
         with pytest.raises(MeshError, match=message):
-            read_surface(tmp_path / "a.vert")
+            Surface.read(tmp_path / "a.vert")
     wrote(tmp_path, "a.tri", "0 1 2\n")
     with pytest.raises(MeshError, match=r"faces\[0\] refers to vertex -1"):
-        read_surface(tmp_path / "a.vert")
+        Surface.read(tmp_path / "a.vert")
 
 
 def test_mat_without_a_mesh_lists_what_there_is(tmp_path):
@@ -238,19 +238,19 @@ def test_mat_without_a_mesh_lists_what_there_is(tmp_path):
 
     scipy.io.savemat(tmp_path / "a.mat", {"volume": np.eye(3)})
     with pytest.raises(MeshError, match=r"no mesh with fields X, Y, Z, TRIV .* the file holds volume"):
-        read_surface(tmp_path / "a.mat")
+        Surface.read(tmp_path / "a.mat")
     (tmp_path / "b.mat").write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM" + bytes(64))
     with pytest.raises(MeshError, match=r"MATLAB 7.3 files are not read"):
-        read_surface(tmp_path / "b.mat")
+        Surface.read(tmp_path / "b.mat")
 
 
 def test_missing_files_and_folders(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"no such file: .*nothing.off"):
-        read_surface(tmp_path / "nothing.off")
+        Surface.read(tmp_path / "nothing.off")
     with pytest.raises(IsADirectoryError, match="is a folder, not a mesh"):
-        read_surface(tmp_path)
+        Surface.read(tmp_path)
     with pytest.raises(MeshError, match=r"unknown suffix '.xyz'; written are .ply"):
-        write_surface(SURFACE, tmp_path / "a.xyz")
+        SURFACE.write(tmp_path / "a.xyz")
 
 
 @pytest.mark.parametrize("name", ["polygon.off", "polygon.obj"])
@@ -258,7 +258,7 @@ def test_polygons_are_triangulated_by_repair(tmp_path, name):
     file = wrote(tmp_path, name, BROKEN[name][0])
     raw = read_raw(file, repair=True)
     assert raw.notes == ("1 polygon split into 2 triangles",)
-    surface = read_surface(file, repair=True)
+    surface = Surface.read(file, repair=True)
     assert surface.is_manifold
     assert surface.n_faces == 2  # the triangle over half of the square is a duplicate
 
@@ -271,24 +271,24 @@ def test_the_samples_of_pymeshlab():
     from pathlib import Path
 
     folder = Path(pymeshlab.__file__).parent / "tests" / "sample_meshes"
-    cow = read_surface(folder / "cow.obj")
+    cow = Surface.read(folder / "cow.obj")
     assert (cow.n_vertices, cow.n_faces, cow.genus) == (2904, 5804, 0)
-    bone = read_surface(folder / "bone.ply")
+    bone = Surface.read(folder / "bone.ply")
     assert bone.n_vertices == 1872
     assert bone.attributes["colors"].shape == (1872, 4)
     assert bone.unreferenced_vertices.size
-    assert read_surface(folder / "bunny10k_textured.obj").n_vertices == 5051
+    assert Surface.read(folder / "bunny10k_textured.obj").n_vertices == 5051
     for name in ("cow.obj", "bone.ply", "bunny10k_textured.obj"):
         meshes = pymeshlab.MeshSet()
         meshes.load_new_mesh(str(folder / name))
-        surface = read_surface(folder / name)
+        surface = Surface.read(folder / name)
         np.testing.assert_allclose(surface.vertices, meshes.current_mesh().vertex_matrix(), rtol=1e-6)
         np.testing.assert_array_equal(surface.faces, meshes.current_mesh().face_matrix())
 
 
 def test_tosca_in_both_forms(data_dir):
     folder = data_dir / "tosca" / "lowres"
-    pair, mat = read_surface(folder / "cat0"), read_surface(folder / "cat0.mat")
+    pair, mat = Surface.read(folder / "cat0"), Surface.read(folder / "cat0.mat")
     np.testing.assert_array_equal(pair.faces, mat.faces)
     np.testing.assert_allclose(pair.vertices, mat.vertices, atol=1e-7)
     assert pair.n_vertices == 3400
@@ -297,7 +297,7 @@ def test_tosca_in_both_forms(data_dir):
 def test_attributes_survive_a_way_through_every_host(tmp_path):
     """From a file through Open3D, PyMeshLab and PyVista into a file again."""
     o3d, pymeshlab, pyvista = map(pytest.importorskip, ("open3d", "pymeshlab", "pyvista"))
-    from qgeo_filters.hosts.dispatch import as_surface, like_host
+    from qgeo_filters.hosts.dispatch import as_surface, write_back
 
     v, f = blob(2)
     Surface(v, f, ATTRIBUTES).write(tmp_path / "a.ply")
@@ -306,7 +306,7 @@ def test_attributes_survive_a_way_through_every_host(tmp_path):
     meshes = pymeshlab.MeshSet()
     meshes.add_mesh(pymeshlab.Mesh(v, f))
     for host in (tensor_mesh, meshes, pyvista.PolyData.from_regular_faces(v, f)):
-        surface = as_surface(like_host(host, surface, surface.attributes))
+        surface = as_surface(write_back(host, surface, surface.attributes))
     surface.write(tmp_path / "b.ply")
     back = as_surface(tmp_path / "b.ply")
     for name, values in ATTRIBUTES.items():

@@ -9,6 +9,7 @@ from scipy.sparse.csgraph import connected_components
 from qgeo_filters import connectivity
 from qgeo_filters._typing import IndexArray, IntArray
 from qgeo_filters.io.raw_mesh import counted
+from qgeo_filters.triangle_geometry import face_crosses, unit_normals
 
 
 def split_into_fans(vertices: np.ndarray, faces: IntArray, report: list[str]) -> tuple[IndexArray, IntArray]:
@@ -91,13 +92,6 @@ def consistent_flips(faces: IntArray, report: list[str]) -> IndexArray:
     return flips
 
 
-def _normals(positions: np.ndarray, faces: IntArray) -> np.ndarray:
-    a, b, c = (positions[faces[:, k]] for k in range(3))
-    crosses = np.cross(b - a, c - a)
-    length = np.linalg.norm(crosses, axis=1, keepdims=True)
-    return np.divide(crosses, length, out=np.zeros_like(crosses), where=length > 0)
-
-
 def _pairs_by_flatness(halves: IndexArray, faces: IntArray, normals: np.ndarray) -> list[tuple[bool, float, int, int]]:
     """All pairs of half-edges of one edge, best first: of one orientation, then flat."""
     tails = faces.ravel()[halves]
@@ -119,7 +113,7 @@ def _join_flattest(
     """
     if not len(bad):
         return
-    normals = _normals(positions, faces)
+    normals = unit_normals(face_crosses(positions, faces))
     flat = twins.reshape(-1)
     for halves in _halfedges_of(face_edges, bad):
         pairs = _pairs_by_flatness(halves, faces, normals)
@@ -133,7 +127,7 @@ def _join_flattest(
 
 def _surplus_faces(positions: np.ndarray, faces: IntArray, face_edges: np.ndarray, bad: IndexArray) -> IndexArray:
     """Faces at these edges that are not in the best pair of theirs."""
-    normals = _normals(positions, faces)
+    normals = unit_normals(face_crosses(positions, faces))
     surplus: set[int] = set()
     for halves in _halfedges_of(face_edges, bad):
         present = np.array([half for half in halves.tolist() if half // 3 not in surplus])

@@ -1,0 +1,53 @@
+"""Unchecked arrays of whatever holds a mesh: files, other libraries, pairs, objects with vertices and faces."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, TypeGuard
+
+import numpy as np
+
+from qgeo_filters.errors import MeshError
+from qgeo_filters.hosts.protocol import host_of, registered_hosts
+from qgeo_filters.io.formats import read_raw
+from qgeo_filters.io.raw_mesh import RawMesh, triangles
+from qgeo_filters.surface import Surface
+
+
+def raw_mesh(obj: Any, *, repair: bool = False) -> RawMesh:
+    """Arrays of a mesh object of any host, not checked; ``repair`` triangulates polygons."""
+    if isinstance(obj, RawMesh):
+        return obj
+    if isinstance(obj, Surface):
+        return RawMesh(obj.vertices, obj.faces, obj.attributes)
+    if is_path(obj):
+        return read_raw(obj, repair=repair)
+    host = host_of(obj)
+    if host is not None:
+        return host.read(obj, repair)
+    if is_pair(obj):
+        return _split(obj[0], obj[1], repair)
+    if hasattr(obj, "vertices") and hasattr(obj, "faces"):
+        return _split(obj.vertices, obj.faces, repair)
+    raise MeshError(
+        f"cannot take a mesh from {type(obj).__module__}.{type(obj).__qualname__}: expected a mesh of "
+        f"{', '.join(registered_hosts())}, a (vertices, faces) pair, a path or a Surface"
+    )
+
+
+def is_path(obj: object) -> TypeGuard[str | os.PathLike[str]]:
+    """Whether the object names a file."""
+    return isinstance(obj, (str, os.PathLike))
+
+
+def is_pair(obj: object) -> TypeGuard[tuple[Any, Any] | list[Any]]:
+    """Whether the object may be a (vertices, faces) pair."""
+    return isinstance(obj, (tuple, list)) and len(obj) == 2
+
+
+def _split(vertices: Any, faces: Any, repair: bool) -> RawMesh:
+    faces = np.asarray(faces)
+    if repair and faces.ndim == 2 and faces.shape[1] > 3:
+        faces, notes = triangles(faces, repair)
+        return RawMesh(vertices, faces, notes=notes)
+    return RawMesh(vertices, faces)

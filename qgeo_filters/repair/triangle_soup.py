@@ -1,0 +1,166 @@
+"""A manifold mesh in one piece from the arrays of any triangle soup, with what was changed and the way back.
+
+Connectivity alone decides, apart from the choice at an edge of three and more faces, where the flattest pair of
+faces stays together. PyMeshLab's repair filters renumber vertices without telling how, so that attributes
+could not be carried back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from qgeo_filters._typing import FloatArray, IndexArray, IntArray
+from qgeo_filters.errors import MeshError
+from qgeo_filters.io.raw_mesh import RawMesh, counted
+from qgeo_filters.repair.manifold import consistent_flips, split_into_fans
+from qgeo_filters.triangle_geometry import face_crosses
+from qgeo_filters.validation import checked_attributes, checked_faces, checked_vertices, frozen, listed
+
+
+@dataclass(frozen=True, eq=False)
+class RepairedMesh:
+    """Arrays of a manifold mesh in one piece and how its vertices correspond to the original ones.
+
+    Attributes
+    ----------
+    mesh : RawMesh
+        The attributes are those of the original vertices.
+    origin : (n_new,) int64
+        Original index of each vertex; one original vertex may appear several times, where it was split.
+    vertex_of_original : (n_old,) int64
+        Vertex that stands for each original one, -1 where it is gone.
+    report : tuple of str
+        What was changed, one sentence each with its count, the notes of the input first; empty if nothing was.
+    """
+
+    mesh: RawMesh
+    origin: IndexArray
+    vertex_of_original: IndexArray
+    report: tuple[str, ...]
+
+
+def repaired_mesh(raw: RawMesh) -> RepairedMesh:
+    """Manifold mesh in one piece; the steps are listed at `hosts.repair.repair_surface`.
+
+    Raises
+    ------
+    MeshError
+        No faces are left, or the arrays are no triangle list at all.
+    """
+    report = list(raw.notes)
+    vertices, faces = _arrays(raw)
+    n_old = len(vertices)
+    attributes = checked_attributes(raw.attributes, n_old)
+    faces = _without_bad_indices(vertices, faces, report)
+    stands_for = _collapsed(vertices, faces, report)
+    faces = _without_repeats(stands_for[faces].astype(np.int32), report)
+    if len(faces) == 0:
+        raise MeshError(f"nothing is left of the mesh after repair: {'; '.join(report) or 'it has no faces'}")
+    origin, faces = split_into_fans(vertices, faces, report)
+    faces = _largest_piece(vertices[origin], faces, report)
+    flips = consistent_flips(faces, report)
+    faces[flips] = faces[flips][:, ::-1]
+    used = np.unique(faces)
+    renumbered = np.full(len(origin), -1, dtype=np.int32)
+    renumbered[used] = np.arange(len(used))
+    origin, faces = origin[used], renumbered[faces]
+    representative = np.full(n_old, -1, dtype=np.int64)
+    representative[origin[::-1]] = np.arange(len(origin))[::-1]  # of several, the first
+    vertex_of_original = representative[stands_for]
+    loose = int((vertex_of_original < 0).sum())
+    if loose:
+        gone = listed(np.flatnonzero(vertex_of_original < 0))
+        report.append(f"of {n_old} vertices {loose} {'is' if loose == 1 else 'are'} gone ({gone})")
+    mesh = RawMesh(vertices[origin], faces, {name: values[origin] for name, values in attributes.items()})
+    return RepairedMesh(mesh, frozen(origin), frozen(vertex_of_original), tuple(report))
+
+
+def _arrays(raw: RawMesh) -> tuple[FloatArray, IntArray]:
+    """Arrays of the right shape; what no repair can make sense of is refused as always."""
+    vertices = np.array(raw.vertices, dtype=np.float64)
+    faces = np.asarray(raw.faces)
+    whole = faces.dtype.kind in "iu" or (faces.dtype.kind == "f" and bool(np.all(faces == np.floor(faces))))
+    if (
+        len(vertices) == 0
+        or vertices.ndim != 2
+        or vertices.shape[1:] != (3,)
+        or faces.ndim != 2
+        or faces.shape[1:] != (3,)
+        or not whole
+    ):
+        checked_faces(faces, len(checked_vertices(vertices)))  # raises
+        raise AssertionError("unreachable: Surface accepts what repair does not")
+    finite = np.isfinite(vertices).all(axis=1)
+    if finite.any():
+        checked_vertices(vertices[finite])  # raises where it is too large or too small
+    # Out of range where int32 does not reach is out of range all the same.
+    return vertices, np.clip(faces, -1, np.iinfo(np.int32).max).astype(np.int32)
+
+
+def _without_bad_indices(vertices: np.ndarray, faces: IntArray, report: list[str]) -> IntArray:
+    outside = ((faces < 0) | (faces >= len(vertices))).any(axis=1)
+    if outside.any():
+        report.append(f"{counted(outside.sum(), 'face')} with missing vertices removed")
+        faces = faces[~outside]
+    lost = ~np.isfinite(vertices).all(axis=1)
+    if lost.any():
+        touched = lost[faces].any(axis=1)
+        report.append(
+            f"{counted(lost.sum(), 'vertex', 'vertices')} with coordinates that are not finite "
+            f"({listed(np.flatnonzero(lost))}) removed, with {counted(touched.sum(), 'face')}"
+        )
+        faces = faces[~touched]
+    twice = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
+    if twice.any():
+        report.append(f"{counted(twice.sum(), 'face')} with a repeated vertex removed")
+        faces = faces[~twice]
+    return faces
+
+
+def _collapsed(vertices: np.ndarray, faces: IntArray, report: list[str]) -> IndexArray:
+    """Vertex that each vertex becomes when edges of length zero are collapsed, the smallest of each group."""
+    a, b = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).T
+    zero = (vertices[a] == vertices[b]).all(axis=1)
+    n = len(vertices)
+    if not zero.any():
+        return np.arange(n)
+    graph = sparse.coo_matrix((np.ones(zero.sum(), np.int8), (a[zero], b[zero])), shape=(n, n))
+    count, group = connected_components(graph, directed=False)
+    smallest = np.full(count, n, dtype=np.int64)
+    np.minimum.at(smallest, group, np.arange(n))
+    report.append(f"{counted(n - count, 'vertex', 'vertices')} joined with a neighbour at the same position")
+    return smallest[group]
+
+
+def _without_repeats(faces: IntArray, report: list[str]) -> IntArray:
+    flat = (faces == np.roll(faces, 1, axis=1)).any(axis=1)  # left by the collapse
+    faces = faces[~flat]
+    _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+    if len(first) < len(faces):
+        report.append(f"{counted(len(faces) - len(first), 'duplicate face')} removed")
+    return faces[np.sort(first)]
+
+
+def _largest_piece(positions: np.ndarray, faces: IntArray, report: list[str]) -> IntArray:
+    n = len(positions)
+    a, b, c = faces.T
+    graph = sparse.coo_matrix(
+        (np.ones(2 * len(faces), np.int8), (np.concatenate([a, b]), np.concatenate([b, c]))), shape=(n, n)
+    )
+    _, label = connected_components(graph, directed=False)
+    area = np.bincount(label[a], 0.5 * np.linalg.norm(face_crosses(positions, faces), axis=1))
+    pieces = np.unique(label[a])
+    if len(pieces) == 1:
+        return faces
+    largest = pieces[area[pieces].argmax()]
+    kept = label[a] == largest
+    share = 100 * area[largest] / area.sum() if area.sum() > 0 else 100 * kept.mean()
+    report.append(
+        f"{counted(len(pieces) - 1, 'smaller piece')} with {counted((~kept).sum(), 'face')} removed; the largest, "
+        f"kept, has {share:.4g} % of the area"
+    )
+    return faces[kept]
