@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from threadpoolctl import threadpool_info
 
-from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.initialization.distortion import point_distortions
 from qgeo_filters.matching.maps.functional_map import nearest, nearest_both
+from qgeo_filters.parallel import concurrently
 
 
 @settings(max_examples=25, deadline=None)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
@@ -23,6 +22,7 @@ from qgeo_filters.geodesics.dgg.vertex_ordering import compact_order
 from qgeo_filters.geodesics.dijkstra import mesh_edges
 from qgeo_filters.geodesics.layout import layout_of
 from qgeo_filters.geodesics.metric import IntrinsicMesh, LiftedMetric, cartesian_metric
+from qgeo_filters.parallel import in_threads
 from qgeo_filters.surface import Surface
 
 # Width of a band of distance, in mean edge lengths: narrow enough for one pass to do nearly all.
@@ -94,7 +94,7 @@ class GeodesicGraph:
             write_near(ticks.near_start, ticks.near, ticks.near_length, self.vertex, part, out, some)
 
 
-def geodesic_graph(mesh: IntrinsicMesh, accuracy: float = 1e-3, *, workers: int = 1) -> GeodesicGraph:
+def geodesic_graph(mesh: IntrinsicMesh, accuracy: float = 1e-3, *, workers: int | None = None) -> GeodesicGraph:
     """Graph whose shortest paths are never below the geodesic distances and at most ``accuracy`` above, relatively.
 
     Parameters
@@ -103,8 +103,8 @@ def geodesic_graph(mesh: IntrinsicMesh, accuracy: float = 1e-3, *, workers: int 
     accuracy : float
         Bound on the relative error, from 1e-6 to 0.1. The mean error is about a tenth of it; the number of
         edges grows as ``accuracy ** -0.5``.
-    workers : int
-        Threads.
+    workers : int, optional
+        Threads; all cores by default. The graph does not depend on it.
 
     Raises
     ------
@@ -143,7 +143,7 @@ def geodesic_graph(mesh: IntrinsicMesh, accuracy: float = 1e-3, *, workers: int 
 _kept: WeakKeyDictionary[LiftedMetric | Surface, GeodesicGraph] = WeakKeyDictionary()
 
 
-def graph_of(surface: Surface, metric: LiftedMetric | None, accuracy: float, workers: int) -> GeodesicGraph:
+def graph_of(surface: Surface, metric: LiftedMetric | None, accuracy: float, workers: int | None) -> GeodesicGraph:
     """Graph of a metric, None for the surface's own, kept for as long as the metric or surface lives."""
     key = surface if metric is None else metric
     graph = _kept.get(key)
@@ -155,7 +155,7 @@ def graph_of(surface: Surface, metric: LiftedMetric | None, accuracy: float, wor
 
 
 def _look(
-    mesh: IntrinsicMesh, vertex: IntArray, epsilon: float, limit: float, workers: int
+    mesh: IntrinsicMesh, vertex: IntArray, epsilon: float, limit: float, workers: int | None
 ) -> tuple[npt.NDArray[np.int64], IntArray, FloatArray]:
     """Directed edges of the graph: how many leave each vertex in this order, where they end, their lengths."""
     layout = layout_of(mesh)
@@ -163,6 +163,5 @@ def _look(
     def task(first: int) -> tuple[npt.NDArray[np.int64], IntArray, FloatArray]:
         return look_from(*layout, vertex[first : first + _CHUNK], epsilon, limit)
 
-    with ThreadPoolExecutor(workers) as pool:
-        counts, ends, lengths = zip(*pool.map(task, range(0, len(vertex), _CHUNK)), strict=True)
+    counts, ends, lengths = zip(*in_threads(task, range(0, len(vertex), _CHUNK), workers), strict=True)
     return np.concatenate(counts), np.concatenate(ends), np.concatenate(lengths)

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 import numpy.typing as npt
-from tqdm.auto import tqdm
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.geodesics.metric import IntrinsicMesh
 from qgeo_filters.geodesics.mmp.window_propagation import propagate
 from qgeo_filters.geodesics.unfolding import unfolded
+from qgeo_filters.parallel import in_threads
 from qgeo_filters.validation import checked_indices
 
 
@@ -55,15 +52,5 @@ def exact_distances(
     def fill(row: int) -> None:
         propagate(indices[row], -1, flat, distances[row])
 
-    n_workers = max(1, min(workers or os.cpu_count() or 1, len(indices)))
-    with (
-        tqdm(total=len(indices), desc="exact distances", unit="source", disable=not progress) as bar,
-        ThreadPoolExecutor(n_workers) as pool,
-    ):
-        try:
-            for _ in pool.map(fill, range(len(indices))):
-                bar.update()
-        except BaseException:
-            pool.shutdown(wait=True, cancel_futures=True)
-            raise
+    in_threads(fill, range(len(indices)), workers, progress=progress, description="exact distances", unit="source")
     return distances

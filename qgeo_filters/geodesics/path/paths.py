@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 from numba import njit
-from tqdm.auto import tqdm
 
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.errors import DisconnectedError, MeshError, ParameterError
@@ -18,6 +15,7 @@ from qgeo_filters.geodesics.metric import LiftedMetric, cartesian_metric
 from qgeo_filters.geodesics.path.backtrace import edge_sleeve, exact_sleeve
 from qgeo_filters.geodesics.path.straightening import describe, straighten, vertex_nodes
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh, unfolded
+from qgeo_filters.parallel import in_threads
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_index, checked_indices, frozen
 
@@ -155,20 +153,14 @@ def quasi_geodesics(
         raise MeshError(f"pairs must have shape (k, 2), got {table.shape}")
     table = checked_indices(table.ravel(), surface.n_vertices, "pairs").reshape(-1, 2)
     finder = _Finder(surface, metric, initial, tolerance)
-    n_workers = max(1, min(workers or os.cpu_count() or 1, len(table)))
-    with (
-        tqdm(total=len(table), desc="paths", unit="path", disable=not progress) as bar,
-        ThreadPoolExecutor(n_workers) as pool,
-    ):
-        paths = []
-        try:
-            for path in pool.map(lambda pair: finder(int(pair[0]), int(pair[1])), table, chunksize=16):
-                paths.append(path)
-                bar.update()
-        except BaseException:
-            pool.shutdown(wait=True, cancel_futures=True)
-            raise
-    return paths
+    return in_threads(
+        lambda pair: finder(int(pair[0]), int(pair[1])),
+        table,
+        workers,
+        progress=progress,
+        description="paths",
+        unit="path",
+    )
 
 
 @njit(cache=True, nogil=True)

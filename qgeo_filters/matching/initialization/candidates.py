@@ -8,12 +8,12 @@ from functools import partial
 import numpy as np
 
 from qgeo_filters._typing import IndexArray, SingleArray
-from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.initialization.agd_extrema import extremity_maps
 from qgeo_filters.matching.initialization.sign_search import search
 from qgeo_filters.matching.maps.orientation import facing
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.smooth_shells import grown, spread
+from qgeo_filters.parallel import concurrently
 
 # Maps that distort distances by more than this times the best are not worth growing.
 _WORTHWHILE = 2.0

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
-from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.initialization.distortion import point_distortions
 from qgeo_filters.matching.maps.functional_map import nearest, orthogonal
 from qgeo_filters.matching.prepared_shape import MetricView, PreparedShape
+from qgeo_filters.parallel import concurrently
 
 # Eigenfunctions whose signs are enumerated, and at the end of the growth.
 _ENUMERATED = 8

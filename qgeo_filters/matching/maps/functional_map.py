@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from qgeo_filters._typing import IndexArray
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.parallel import worker_count
 
 # Rows of the similarity matrix at once.
 _BLOCK = 1024
@@ -39,7 +40,7 @@ def nearest_both(points: npt.NDArray, others: npt.NDArray) -> tuple[IndexArray, 
     Both lie near surfaces: a few columns, such as positions, should vary by much more than the rest, so that a tree
     leaves out most rows; for eigenfunctions alone `nearest` is faster.
     """
-    workers = 1 if max(len(points), len(others)) < _THREADED else -1
+    workers = 1 if max(len(points), len(others)) < _THREADED else worker_count()
     forth = cKDTree(others).query(points, workers=workers)[1]
     back = cKDTree(points).query(others, workers=workers)[1]
     return np.asarray(forth, dtype=np.int64), np.asarray(back, dtype=np.int64)

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from qgeo_filters._typing import IndexArray
-from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.initialization.candidates import Candidate, between, distortion, mapped_points
 from qgeo_filters.matching.initialization.sign_search import differ
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.selection.signatures import likeness, relief_likeness
 from qgeo_filters.matching.smooth_shells import RECONSIDERING, SETTLING, TRIAL, Finished, Pass, factorised, finished
+from qgeo_filters.parallel import concurrently
 
 # Contenders that are tried, and how much more than the best they may distort distances.
 _CONTENDERS = 10

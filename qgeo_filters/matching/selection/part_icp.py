@@ -9,10 +9,10 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from qgeo_filters._typing import FloatArray, IndexArray
-from qgeo_filters.matching.concurrency import concurrently
 from qgeo_filters.matching.initialization.agd_extrema import extremities
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.smooth_shells import Finished
+from qgeo_filters.parallel import concurrently
 
 # A part is what lies this near to an extremity, in sqrt(area); the map is bent around it, up to this many times that.
 _RADIUS, _REACH = 0.2, 1.5
