@@ -28,7 +28,7 @@ from qgeo_filters.errors import ParameterError
 if TYPE_CHECKING:
     import numpy as np
 
-_LARGEST_MATRIX = 8 << 30  # bytes
+LARGEST_MATRIX = 8 << 30  # bytes
 # Rows of a matrix that are looked at together.
 _ROWS = 1024
 
@@ -90,7 +90,7 @@ def distances(
     n = surface.n_vertices
     if chosen:
         checked_indices(chosen, n, "sources")
-    elif matrix is None and 4 * n * n > _LARGEST_MATRIX:
+    elif matrix is None and 4 * n * n > LARGEST_MATRIX:
         raise ParameterError(
             f"all pairs of {n} vertices would take {4e-9 * n * n:.0f} GB of memory; choose vertices with --sources, or "
             "write the matrix to disk with --matrix FILE.zarr"

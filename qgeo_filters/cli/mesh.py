@@ -26,7 +26,7 @@ def info(
     job = Job("info", Settings(output, quiet, json, repair, pictures), {"repair": repair})
     surface = job.read(mesh)
     with job.stage("describe"):
-        results = {**job.meshes[0], **_details(surface)}
+        results = {**job.meshes[0], **details(surface)}
     del results["path"]
     arrays = {"face_areas": surface.face_areas, "vertex_areas": surface.vertex_areas, "edges": surface.edges}
     job.save(results, arrays, surface)
@@ -35,7 +35,7 @@ def info(
     job.finish()
 
 
-def _details(surface: Surface) -> dict[str, Any]:
+def details(surface: Surface) -> dict[str, Any]:
     lengths = surface.edge_lengths
     low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
     return {

@@ -15,7 +15,6 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-import qgeo_filters
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.caching import content_key
 from qgeo_filters.evaluation.datasets import Dataset, PointMap
@@ -30,7 +29,7 @@ from qgeo_filters.surface import Surface
 What = Literal["match", "symmetry"]
 
 # Code on which a map depends.
-_FLOORS = (".", "differential", "geodesics", "spectral", "matching")
+_ROOMS = ("io", "hosts", "differential", "geodesics", "spectral", "deformation", "matching")  # and the loose files
 
 
 @dataclass(frozen=True)
@@ -127,7 +126,7 @@ def measured(
     pairs = list(pairs)
     awaited = Counter(name for pair in pairs for name in pair)
     shapes: dict[str, PreparedShape] = {}
-    ruler = _Ruler()
+    ruler = Ruler()
     for x, y in pairs:
         name = f"{x} - {y}" if what == "match" else f"symmetry of {x}"
         outcome: PairResult | PairFailure
@@ -160,7 +159,7 @@ def by_target(pairs: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
     return sorted(pairs, key=lambda pair: first[pair[1]])
 
 
-class _Ruler:
+class Ruler:
     """All distances on the surface that was asked for last."""
 
     def __init__(self) -> None:
@@ -182,7 +181,7 @@ def _measured(
     truth: PointMap,
     mirror: PointMap | None,
     what: What,
-    ruler: _Ruler,
+    ruler: Ruler,
 ) -> PairResult:
     x.prepared()
     y.prepared()
@@ -214,15 +213,19 @@ def _mirror(data: Dataset, name: str) -> PointMap | None:
 def _key(what: What, x: PreparedShape, y: PreparedShape, truth: PointMap, mirror: PointMap | None) -> str:
     shapes = [array for shape in (x.surface, y.surface) for array in (shape.vertices, shape.faces)]
     maps = [array for one in (truth, mirror) if one for array in (one.points, one.images)]
-    return content_key(what, _code(), shapes, maps)
+    return content_key(what, code_digest(), shapes, maps)
 
 
 @cache
-def _code() -> str:
+def code_digest() -> str:
     """Fingerprint of the numeric code: results of another version are not taken for this one's."""
-    root = Path(qgeo_filters.__file__).parent
     digest = hashlib.sha256()
-    for floor in _FLOORS:
-        for file in sorted((root / floor).glob("*.py")):
-            digest.update(file.read_bytes())
+    for file in numeric_sources():
+        digest.update(file.read_bytes())
     return digest.hexdigest()
+
+
+def numeric_sources() -> list[Path]:
+    """Files on which a map or a distance depends."""
+    root = Path(__file__).parents[1]
+    return sorted([*root.glob("*.py"), *(file for room in _ROOMS for file in (root / room).rglob("*.py"))])

@@ -56,7 +56,7 @@ def stored_matrix(
         rows = np.empty((len(sources), n), np.float32)
         graph.distances_into(rows, np.arange(len(sources)), sources)
         for source, row in zip(sources.tolist(), rows, strict=True):
-            _write_chunk(path / "c" / str(source) / "0", row)
+            write_chunk(path / "c" / str(source) / "0", row)
 
     def finished(first: int) -> None:
         done[first // GROUP] = True
@@ -83,7 +83,7 @@ def stored_matrix(
     return array
 
 
-def _write_chunk(path: Path, row: np.ndarray) -> None:
+def write_chunk(path: Path, row: np.ndarray) -> None:
     """Put one row in place as Zarr 3 lays it down: without a compressor, a chunk is its little-endian bytes.
 
     A twentieth of the time of an assignment to the array, which would be most of the whole.

@@ -74,7 +74,7 @@ def test_distances_from_sources_in_a_lifted_metric(qgeo: Qgeo, loaded: Loaded) -
 
 def test_distances_on_disk(qgeo: Qgeo, loaded: Loaded, monkeypatch: pytest.MonkeyPatch) -> None:
     zarr = pytest.importorskip("zarr")
-    monkeypatch.setattr("qgeo_filters.cli.geodesics._LARGEST_MATRIX", 1000)
+    monkeypatch.setattr("qgeo_filters.cli.geodesics.LARGEST_MATRIX", 1000)
     monkeypatch.setattr("qgeo_filters.cli.geodesics._ROWS", 50)
     command = ("distances", "blob.off", "--matrix", "d.zarr", "-w", 0.1)
     assert qgeo(*command).exit_code == 0
@@ -97,7 +97,7 @@ def test_distances_on_disk_continue_where_they_were_interrupted(qgeo: Qgeo, monk
     from qgeo_filters.geodesics import storage
 
     written: list[str] = []
-    whole = storage._write_chunk
+    whole = storage.write_chunk
 
     def interrupted(path: Path, row: np.ndarray) -> None:
         written.append(path.parent.name)
@@ -111,12 +111,12 @@ def test_distances_on_disk_continue_where_they_were_interrupted(qgeo: Qgeo, monk
 
     command = ("distances", "sphere.ply", "--matrix", "d.zarr", "--no-pictures")
     monkeypatch.setattr("qgeo_filters.geodesics.matrix.worker_count", lambda _: 1)
-    monkeypatch.setattr(storage, "_write_chunk", interrupted)
+    monkeypatch.setattr(storage, "write_chunk", interrupted)
     assert qgeo(*command).exit_code == 130
     assert not Path("qgeo-out").exists()
     first = written.copy()
     written.clear()
-    monkeypatch.setattr(storage, "_write_chunk", noted)
+    monkeypatch.setattr(storage, "write_chunk", noted)
     assert qgeo(*command).exit_code == 0
     assert len(written) == 162 - 2 * 64
     assert set(first) | set(written) == set(map(str, range(162)))

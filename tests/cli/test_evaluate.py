@@ -137,7 +137,7 @@ def test_results_of_other_shapes_or_code_are_not_taken(
         shape.with_vertices(1.5 * shape.vertices).write(mesh)
     assert "earlier run" not in qgeo(*command).stderr
     assert "1 of 1 results" in qgeo(*command).stderr
-    monkeypatch.setattr(runner, "_code", lambda: "another version")
+    monkeypatch.setattr(runner, "code_digest", lambda: "another version")
     assert "earlier run" not in qgeo(*command).stderr
     file.write_bytes(b"PK not an archive")
     assert "earlier run" not in qgeo(*command).stderr

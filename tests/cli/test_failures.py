@@ -117,7 +117,7 @@ def test_bad_input_leaves_an_earlier_result_alone(qgeo: Qgeo) -> None:
 def test_too_large_a_matrix_is_refused_before_it_is_tried(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
     from qgeo_filters.cli import geodesics
 
-    monkeypatch.setattr(geodesics, "_LARGEST_MATRIX", 1000)
+    monkeypatch.setattr(geodesics, "LARGEST_MATRIX", 1000)
     result = qgeo("distances", "sphere.ply")
     assert result.exit_code == 2
     assert "--sources" in result.stderr
@@ -132,7 +132,7 @@ def test_debug_shows_the_traceback(qgeo: Qgeo) -> None:
 def test_a_bug_is_not_taken_for_bad_input(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
     from qgeo_filters.cli import mesh
 
-    monkeypatch.setattr(mesh, "_details", lambda surface: {}["bug"])
+    monkeypatch.setattr(mesh, "details", lambda surface: {}["bug"])
     assert isinstance(qgeo("info", "sphere.ply").exception, KeyError)
 
 

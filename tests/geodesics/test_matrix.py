@@ -192,7 +192,7 @@ def test_targets_that_cannot_be_written(surface: Surface, tmp_path: Path, monkey
 def test_disk_that_fills_up(
     surface: Surface, matrix: np.ndarray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole = storage._write_chunk
+    whole = storage.write_chunk
     written = []
 
     def full(path: Path, row: np.ndarray) -> None:
@@ -202,7 +202,7 @@ def test_disk_that_fills_up(
         whole(path, row)
 
     with monkeypatch.context() as patch:
-        patch.setattr(storage, "_write_chunk", full)
+        patch.setattr(storage, "write_chunk", full)
         with pytest.raises(OSError, match=r"the disk is full: 3 of 11 groups of rows are written .* call again"):
             distance_matrix(surface, out=tmp_path / "d.zarr", workers=1)
     assert np.array_equal(distance_matrix(surface, out=tmp_path / "d.zarr")[:], matrix)
