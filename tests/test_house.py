@@ -20,8 +20,9 @@ ROOT = Path(__file__).resolve().parents[1]
 # from its own.
 FLOORS: list[list[str]] = [
     ["_typing", "_deprecation", "_log", "defaults", "errors"],
-    ["atomic", "caching", "cholesky", "connectivity", "parallel", "sampling", "validation"],
+    ["atomic", "caching", "cholesky", "connectivity", "parallel", "sampling", "triangle_geometry", "validation"],
     ["io"],
+    ["repair"],
     ["surface"],
     ["hosts"],
     ["differential"],
@@ -54,18 +55,10 @@ FLOORS: list[list[str]] = [
 # (importer, imported): who mends it
 KNOWN_ARROWS_UP = {
     ("filters.pyvista_accessor", "qgeo_filters"): "filters",
-    ("io.formats", "hosts.repair"): "hosts",
-    ("io.formats", "surface"): "hosts",
-    ("io.off_obj", "surface"): "hosts",
-    ("io.ply", "surface"): "hosts",
-    ("io.raw_mesh", "surface"): "hosts",
-    ("io.stl_glb", "surface"): "hosts",
-    ("io.tosca", "surface"): "hosts",
     ("matching.initialization.candidates", "matching.smooth_shells"): "matching",
 }
 KNOWN_CIRCLES = {
     ("filters.base", "filters.pipeline"): "filters",
-    ("hosts.dispatch", "hosts.repair"): "hosts",
     ("spectral.distance_spectrum", "spectral.landmarks"): "matching",
 }
 # file of tests or benchmarks, name: who mends it
