@@ -57,10 +57,10 @@ class Surface:
         faces: npt.ArrayLike,
         attributes: Mapping[str, npt.ArrayLike] | None = None,
     ) -> None:
-        checked = frozen(checked_vertices(vertices))
+        checked = _kept(checked_vertices(vertices))
         self.__dict__.update(
             vertices=checked,
-            faces=frozen(checked_faces(faces, len(checked))),
+            faces=_kept(checked_faces(faces, len(checked))),
             attributes=checked_attributes(attributes or {}, len(checked)),
         )
 
@@ -162,16 +162,16 @@ class Surface:
     def edge_lengths(self) -> FloatArray:
         """Length of each edge, shape (E,), in the unit of the vertices."""
         a, b = self.edges.T
-        return frozen(np.linalg.norm(self.vertices[a] - self.vertices[b], axis=1))
+        return _kept(np.linalg.norm(self.vertices[a] - self.vertices[b], axis=1))
 
     @cached_property
     def _face_crosses(self) -> FloatArray:
-        return frozen(face_crosses(self.vertices, self.faces))
+        return _kept(face_crosses(self.vertices, self.faces))
 
     @cached_property
     def face_areas(self) -> FloatArray:
         """Area of each triangle, shape (m,)."""
-        return frozen(0.5 * np.linalg.norm(self._face_crosses, axis=1))
+        return _kept(0.5 * np.linalg.norm(self._face_crosses, axis=1))
 
     @cached_property
     def area(self) -> float:
@@ -181,12 +181,12 @@ class Surface:
     @cached_property
     def vertex_areas(self) -> FloatArray:
         """Barycentric area of each vertex (a third of its triangles), shape (n,); they sum to `area`."""
-        return frozen(np.bincount(self.faces.ravel(), np.repeat(self.face_areas / 3, 3), minlength=self.n_vertices))
+        return _kept(np.bincount(self.faces.ravel(), np.repeat(self.face_areas / 3, 3), minlength=self.n_vertices))
 
     @cached_property
     def face_normals(self) -> FloatArray:
         """Unit normal of each triangle, shape (m, 3); zero where the triangle has no area."""
-        return frozen(unit_normals(self._face_crosses))
+        return _kept(unit_normals(self._face_crosses))
 
     @cached_property
     def corner_angles(self) -> FloatArray:
@@ -197,7 +197,7 @@ class Surface:
             u, v = q - p, r - p
             # atan2 keeps full precision near 0 and pi, where arccos loses half of the digits.
             angles[:, k] = np.arctan2(np.linalg.norm(np.cross(u, v), axis=1), np.einsum("ij,ij->i", u, v))
-        return frozen(angles)
+        return _kept(angles)
 
     @cached_property
     def vertex_normals(self) -> FloatArray:
@@ -207,14 +207,14 @@ class Surface:
             np.add.at(total, self.faces[:, k], self.corner_angles[:, k, None] * self.face_normals)
         length = np.linalg.norm(total, axis=1, keepdims=True)
         # At the seam of a one-sided surface opposite normals cancel up to rounding, which has no direction.
-        return frozen(np.divide(total, length, out=np.zeros_like(total), where=length > 1e-12))
+        return _kept(np.divide(total, length, out=np.zeros_like(total), where=length > 1e-12))
 
     # -- connectivity -------------------------------------------------------------------------------
 
     @cached_property
     def _edge_table(self) -> tuple[IntArray, IntArray, npt.NDArray[np.int64]]:
         edges, face_edges, counts = connectivity.unique_edges(self.faces)
-        return frozen(edges), frozen(face_edges), frozen(counts)
+        return _kept(edges), _kept(face_edges), _kept(counts)
 
     @property
     def edges(self) -> IntArray:
@@ -229,23 +229,23 @@ class Surface:
     @cached_property
     def twins(self) -> IntArray:
         """Half-edge across each half-edge as ``3 f + k``, shape (m, 3); -1 on the boundary."""
-        return frozen(connectivity.halfedge_twins(self.faces, self.face_edges, len(self.edges)))
+        return _kept(connectivity.halfedge_twins(self.faces, self.face_edges, len(self.edges)))
 
     @cached_property
     def components(self) -> tuple[int, IntArray]:
         """Number of pieces and the piece of each vertex; a vertex without faces counts as one."""
         count, labels = connectivity.vertex_components(self.edges, self.n_vertices)
-        return count, frozen(labels)
+        return count, _kept(labels)
 
     @cached_property
     def unreferenced_vertices(self) -> npt.NDArray[np.int64]:
         """Vertices that no face names."""
-        return frozen(np.flatnonzero(np.bincount(self.faces.ravel(), minlength=self.n_vertices) == 0))
+        return _kept(np.flatnonzero(np.bincount(self.faces.ravel(), minlength=self.n_vertices) == 0))
 
     @cached_property
     def boundary_edges(self) -> npt.NDArray[np.int64]:
         """Indices of the edges with one face."""
-        return frozen(np.flatnonzero(self._edge_table[2] == 1))
+        return _kept(np.flatnonzero(self._edge_table[2] == 1))
 
     @property
     def boundary_vertices(self) -> IntArray:
@@ -255,7 +255,7 @@ class Surface:
     @cached_property
     def boundary_loops(self) -> tuple[IntArray, ...]:
         """Boundary curves as vertex chains, longest first."""
-        return tuple(frozen(loop) for loop in connectivity.boundary_loops(self.edges[self.boundary_edges]))
+        return tuple(_kept(loop) for loop in connectivity.boundary_loops(self.edges[self.boundary_edges]))
 
     @property
     def is_closed(self) -> bool:
@@ -265,12 +265,12 @@ class Surface:
     @cached_property
     def nonmanifold_edges(self) -> npt.NDArray[np.int64]:
         """Indices of the edges with three faces or more."""
-        return frozen(np.flatnonzero(self._edge_table[2] > 2))
+        return _kept(np.flatnonzero(self._edge_table[2] > 2))
 
     @cached_property
     def nonmanifold_vertices(self) -> npt.NDArray[np.int64]:
         """Vertices whose faces form more than one fan."""
-        return frozen(connectivity.nonmanifold_vertices(self.faces, self.twins, self.n_vertices))
+        return _kept(connectivity.nonmanifold_vertices(self.faces, self.twins, self.n_vertices))
 
     @property
     def is_manifold(self) -> bool:
@@ -327,3 +327,8 @@ class Surface:
             f"{purpose} needs a mesh in one piece, but there are {count} pieces of {listed(sizes)} vertices"
             f"{without}; take surface.largest_component()[0], or repair=True"
         )
+
+
+def _kept(array: np.ndarray) -> np.ndarray:
+    """Read-only array of its own memory, so that nothing else can write there."""
+    return frozen(array if array.base is None else array.copy())

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from shapes import bow_tie, fan, icosphere
+from shapes import bow_tie, fan, grid, icosphere
 
 from qgeo_filters.errors import DisconnectedError, MeshError, NonManifoldError
 from qgeo_filters.surface import Surface
@@ -37,6 +40,59 @@ def test_arrays_are_read_only(name):
     array = getattr(Surface(*icosphere(1)), name)
     with pytest.raises(ValueError, match="read-only"):
         array[...] = 0
+
+
+@pytest.mark.parametrize("name", DERIVED)
+def test_no_flag_makes_an_array_writeable_again(name):
+    array = getattr(Surface(*icosphere(1)), name)
+    with pytest.raises(ValueError, match="WRITEABLE"):
+        array.flags.writeable = True
+
+
+@pytest.mark.parametrize("name", [*DERIVED, "attributes", "area", "n_vertices", "is_closed", "components", "anything"])
+def test_nothing_can_be_set_or_deleted(name):
+    surface = Surface(*icosphere(1))
+    before = {key: np.copy(getattr(surface, key)) for key in ("vertices", "faces", "face_areas")}
+    with pytest.raises(AttributeError, match=f"cannot set '{name}': a Surface never changes"):
+        setattr(surface, name, 2 * surface.vertices)
+    with pytest.raises(AttributeError, match=f"cannot delete '{name}': a Surface never changes"):
+        delattr(surface, name)
+    for key, values in before.items():
+        np.testing.assert_array_equal(getattr(surface, key), values)
+
+
+def test_the_error_says_what_to_do_instead():
+    surface = Surface(*icosphere(1))
+    with pytest.raises(AttributeError, match=r"surface\.with_vertices\(\.\.\.\) gives another"):
+        surface.vertices = 2 * surface.vertices
+    with pytest.raises(AttributeError, match=r"surface\.with_attributes\(\.\.\.\) gives another"):
+        surface.attributes = {}
+    with pytest.raises(ValueError, match="read-only"):
+        surface.vertices *= 2
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda s: pickle.loads(pickle.dumps(s))])
+def test_copies_are_as_immutable_and_derive_the_same(copied):
+    surface = Surface(*icosphere(1), {"a": np.arange(42)})
+    areas = surface.face_areas
+    other = copied(surface)
+    assert other is not surface
+    np.testing.assert_array_equal(other.vertices, surface.vertices)
+    np.testing.assert_array_equal(other.faces, surface.faces)
+    np.testing.assert_array_equal(other.attributes["a"], surface.attributes["a"])
+    np.testing.assert_array_equal(other.face_areas, areas)
+    with pytest.raises(AttributeError, match="never changes"):
+        other.vertices = 2 * other.vertices
+    with pytest.raises(ValueError, match="read-only"):
+        other.vertices[0] = 0
+
+
+def test_boundary_loops_are_read_only():
+    loops = Surface(*fan()).boundary_loops + Surface(*grid(3)).boundary_loops
+    assert isinstance(loops, tuple)
+    for loop in loops:
+        with pytest.raises(ValueError, match="read-only"):
+            loop[0] = 7
 
 
 def test_input_is_copied():

@@ -89,6 +89,8 @@ def write_obj(path: Path, vertices: FloatArray, faces: IntArray) -> None:
 
 def _off_faces(rows: list[tuple[int, str]]) -> Any:
     """Corners of each face, from lines that begin with their number."""
+    if not rows:
+        return np.empty((0, 3), dtype=np.int64)
     try:  # triangles only, the usual case
         table = np.loadtxt((line for _, line in rows), dtype=np.int64, usecols=range(4), ndmin=2)
         if len(table) and (table[:, 0] == 3).all():

@@ -10,6 +10,8 @@ from host_meshes import ATTRIBUTES
 from shapes import blob, icosphere
 
 from qgeo_filters.errors import MeshError
+from qgeo_filters.hosts.dispatch import as_surface, write_back
+from qgeo_filters.hosts.repair import repair_surface
 from qgeo_filters.io.formats import read_raw
 from qgeo_filters.surface import Surface
 
@@ -60,8 +62,9 @@ def test_both_files_of_a_pair_are_written_and_any_name_reads_them(tmp_path):
 def test_attributes_are_dropped_aloud(tmp_path, suffix):
     pytest.importorskip("trimesh")
     surface = SURFACE.with_attributes({"b": V, "a": V})
-    with pytest.warns(UserWarning, match=rf"{suffix} holds no attributes, dropped: 'a', 'b' \(write .ply\)"):
+    with pytest.warns(UserWarning, match=rf"{suffix} holds no attributes, dropped: 'a', 'b' \(write .ply\)") as caught:
         surface.write(tmp_path / f"shape{suffix}")
+    assert caught[0].filename == __file__  # the line of the caller, not one of ours
 
 
 def test_suffixes_may_be_in_capitals(tmp_path):
@@ -253,6 +256,35 @@ def test_missing_files_and_folders(tmp_path):
         SURFACE.write(tmp_path / "a.xyz")
 
 
+@pytest.mark.parametrize(
+    "read",
+    [
+        Surface.read,
+        lambda file: Surface.read(file, repair=True),
+        as_surface,
+        lambda file: as_surface(file, repair=True),
+        repair_surface,
+    ],
+    ids=["read", "read and repair", "as_surface", "as_surface and repair", "repair_surface"],
+)
+@pytest.mark.filterwarnings("error")  # NumPy's "no data" is not the user's to read
+@pytest.mark.parametrize("text", ["OFF\n0 0 0\n", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n", "OFF\n1 1 0\nx 0 0\n3 0 0 0\n"])
+def test_each_way_in_names_the_file_once(tmp_path, read, text):
+    file = wrote(tmp_path, "a.off", text)
+    with pytest.raises(MeshError) as caught:
+        read(file)
+    assert str(caught.value).startswith(f"{file}: ")
+    assert str(caught.value).count(str(file)) == 1
+
+
+def test_what_cannot_be_written_names_the_file(tmp_path):
+    file = tmp_path / "a.ply"
+    with pytest.raises(MeshError, match=r"attribute 'bad' of dtype <U1 cannot be held") as caught:
+        Surface(V, F, {"bad": np.full(len(V), "x")}).write(file)
+    assert str(caught.value).startswith(f"{file}: ")
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.parametrize("name", ["polygon.off", "polygon.obj"])
 def test_polygons_are_triangulated_by_repair(tmp_path, name):
     file = wrote(tmp_path, name, BROKEN[name][0])
@@ -297,8 +329,6 @@ def test_tosca_in_both_forms(data_dir):
 def test_attributes_survive_a_way_through_every_host(tmp_path):
     """From a file through Open3D, PyMeshLab and PyVista into a file again."""
     o3d, pymeshlab, pyvista = map(pytest.importorskip, ("open3d", "pymeshlab", "pyvista"))
-    from qgeo_filters.hosts.dispatch import as_surface, write_back
-
     v, f = blob(2)
     Surface(v, f, ATTRIBUTES).write(tmp_path / "a.ply")
     surface = as_surface(tmp_path / "a.ply")
