@@ -28,7 +28,7 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .errors import QgeoError as QgeoError
     from .filters.appearance import Paint as Paint
     from .filters.base import Filter as Filter
-    from .filters.base import registered as registered
+    from .filters.base import Pipeline as Pipeline
     from .filters.differential import CorrectedNormals as CorrectedNormals
     from .filters.differential import Curvatures as Curvatures
     from .filters.differential import DifferentialCoordinates as DifferentialCoordinates
@@ -38,7 +38,7 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .filters.matching import Correspondence as Correspondence
     from .filters.matching import SelfSymmetry as SelfSymmetry
     from .filters.meshlab_methods import register_pymeshlab as register_pymeshlab
-    from .filters.pipeline import Pipeline as Pipeline
+    from .filters.registry import registered as registered
     from .filters.spectral import LaplacianSpectrum as LaplacianSpectrum
     from .filters.spectral import QuasiGeodesicSpectrum as QuasiGeodesicSpectrum
     from .filters.transfer import TransferAttributes as TransferAttributes
@@ -127,8 +127,8 @@ _HOME = {
     "warmup": "geodesics.warmup",
     # filters
     "Filter": "filters.base",
-    "registered": "filters.base",
-    "Pipeline": "filters.pipeline",
+    "registered": "filters.registry",
+    "Pipeline": "filters.base",
     "DifferentialCoordinates": "filters.differential",
     "CorrectedNormals": "filters.differential",
     "SurfaceScalar": "filters.differential",

@@ -22,14 +22,16 @@ def renamed_parameters(**new_of_old: str) -> Callable[[F], F]:
     """
 
     def decorate(function: F) -> F:
+        called = function.__qualname__.removesuffix(".__init__").rpartition(".")[2]  # a class by its own name
+
         @functools.wraps(function)
         def wrapper(*args: Any, **kwargs: Any) -> Any:
             for old, new in new_of_old.items():
                 if old in kwargs:
                     if new in kwargs:
-                        raise ParameterError(f"{function.__name__}: {old} is the old name of {new}; give only {new}")
+                        raise ParameterError(f"{called}: {old} is the old name of {new}; give only {new}")
                     warnings.warn(
-                        f"{function.__name__}: {old} is now called {new}; the old name goes with the next release",
+                        f"{called}: {old} is now called {new}; the old name goes with the next release",
                         DeprecationWarning,
                         stacklevel=2,
                     )

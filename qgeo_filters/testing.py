@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from qgeo_filters.errors import MeshError
-from qgeo_filters.filters.base import REGISTRY, Filter
-from qgeo_filters.filters.pipeline import Pipeline
+from qgeo_filters.errors import ParameterError, QgeoError
+from qgeo_filters.filters.base import Filter, Pipeline
+from qgeo_filters.filters.registry import REGISTRY
 from qgeo_filters.hosts.dispatch import as_surface
 from qgeo_filters.hosts.protocol import load_host, registered_hosts
 from qgeo_filters.surface import Surface
@@ -62,11 +62,12 @@ def check_filter(filter: Filter, surface: Surface | None = None) -> None:
 
     Notes
     -----
-    Checked: the constructor only stores; ``repr``, ``get_params``, ``set_params`` and ``clone`` agree; calling
-    changes neither the filter's parameters nor its input (read-only arrays are given); the same input gives the
-    same output bit for bit; exactly the attributes of `outputs` are added, one row per vertex, finite or
-    ``inf``; composition, pickling and YAML keep the filter; every installed host gets its own kind back
-    with the same values; a mesh that is no surface is either taken or refused with a `MeshError`.
+    Checked: the constructor takes keywords only, each with a default, and only stores; ``repr``, ``get_params``,
+    ``set_params`` and ``clone`` agree; calling changes neither the filter's parameters nor its input (read-only
+    arrays are given); the same input gives the same output bit for bit; exactly the attributes of `outputs` are
+    added, one row per vertex, finite or ``inf``; composition, pickling and YAML keep the filter; every installed
+    host gets its own kind back with the same values; a mesh that is no surface is either taken or refused with a
+    `QgeoError`.
     """
     surface = surface or sample_surface()
     for check in (_parameters, _purity, _declared_outputs, _composition, _serialisation, _hosts, _refusal):
@@ -79,29 +80,40 @@ def _same(a: Any, b: Any) -> bool:
     return a is b or a == b
 
 
+def _require(condition: object, message: str) -> None:
+    """Nothing, or AssertionError; an ``assert`` would be skipped by ``python -O``."""
+    if not condition:
+        raise AssertionError(message)
+
+
 def _parameters(filter: Filter, surface: Surface) -> None:
     kind = type(filter).__name__
     params = filter.get_params()
     for name, parameter in inspect.signature(type(filter)).parameters.items():
-        assert parameter.default is not inspect.Parameter.empty, f"{kind}: parameter {name} has no default"
-    extra = set(vars(filter)) - set(params)
-    assert not extra, f"{kind}: the constructor sets more than its parameters: {sorted(extra)}"
-    copy = filter.clone()
-    assert copy is not filter, f"{kind}: clone returns the filter itself"
-    for name, value in params.items():
-        assert copy.get_params()[name] is value or _same(copy.get_params()[name], value) or kind == "Pipeline", (
-            f"{kind}: clone changes {name}"
+        _require(parameter.default is not inspect.Parameter.empty, f"{kind}: parameter {name} has no default")
+        _require(
+            parameter.kind is inspect.Parameter.KEYWORD_ONLY or isinstance(filter, Pipeline),
+            f"{kind}: parameter {name} can be given by position; put * before it",
         )
-    assert filter.set_params(**params) is filter, f"{kind}: set_params must return the filter"
+    extra = set(vars(filter)) - set(params)
+    _require(not extra, f"{kind}: the constructor sets more than its parameters: {sorted(extra)}")
+    copy = filter.clone()
+    _require(copy is not filter, f"{kind}: clone returns the filter itself")
+    for name, value in params.items():
+        same = _same(copy.get_params()[name], value) or isinstance(filter, Pipeline)
+        _require(same, f"{kind}: clone changes {name}")
+    _require(filter.set_params(**params) is filter, f"{kind}: set_params must return the filter")
     try:
         filter.set_params(surely_no_parameter=1)
-    except ValueError as error:
-        assert "surely_no_parameter" in str(error), f"{kind}: the error must name the unknown parameter"
+    except ParameterError as error:
+        _require("surely_no_parameter" in str(error), f"{kind}: the error must name the unknown parameter")
     else:
         raise AssertionError(f"{kind}: set_params takes an unknown name")
-    assert repr(filter).startswith((kind, "Pipeline")) or kind == "Pipeline", f"{kind}: repr must begin with the name"
+    _require(
+        repr(filter).startswith((kind, "Pipeline")) or kind == "Pipeline", f"{kind}: repr must begin with the name"
+    )
     for name in params if kind != "Pipeline" else ():
-        assert f"{name}=" in repr(filter), f"{kind}: repr does not show {name}"
+        _require(f"{name}=" in repr(filter), f"{kind}: repr does not show {name}")
 
 
 def _purity(filter: Filter, surface: Surface) -> None:
@@ -110,48 +122,51 @@ def _purity(filter: Filter, surface: Surface) -> None:
     vertices, faces = surface.vertices.copy(), surface.faces.copy()
     before = {name: values.copy() for name, values in surface.attributes.items()}
     first, second = filter.apply(surface), filter.clone().apply(Surface(vertices, faces, before))
-    assert np.array_equal(surface.vertices, vertices), f"{kind}: the input's vertices were changed"
-    assert np.array_equal(surface.faces, faces), f"{kind}: the input's faces were changed"
-    assert set(surface.attributes) == set(before), f"{kind}: attributes were added to the input itself"
+    _require(np.array_equal(surface.vertices, vertices), f"{kind}: the input's vertices were changed")
+    _require(np.array_equal(surface.faces, faces), f"{kind}: the input's faces were changed")
+    _require(set(surface.attributes) == set(before), f"{kind}: attributes were added to the input itself")
     for name, values in first.attributes.items():
-        assert np.array_equal(values, second.attributes[name], equal_nan=values.dtype.kind == "f"), (
-            f"{kind}: two calls disagree on {name}"
+        _require(
+            np.array_equal(values, second.attributes[name], equal_nan=values.dtype.kind == "f"),
+            f"{kind}: two calls disagree on {name}",
         )
     for name, value in filter.get_params().items():
-        assert value is params[name], f"{kind}: the call changed the parameter {name}"
+        _require(value is params[name], f"{kind}: the call changed the parameter {name}")
 
 
 def _declared_outputs(filter: Filter, surface: Surface) -> None:
     kind = type(filter).__name__
+    early = set(filter.outputs)
     result = filter.compute(surface)
-    assert set(result) == set(filter.outputs), f"{kind}: outputs declares {set(filter.outputs)}, made {set(result)}"
+    _require(early <= set(filter.outputs), f"{kind}: outputs forgets {early - set(filter.outputs)} after the call")
+    _require(set(result) == set(filter.outputs), f"{kind}: outputs declares {set(filter.outputs)}, made {set(result)}")
     for name, values in result.items():
-        assert len(values) == surface.n_vertices, f"{kind}: {name} has {len(values)} rows"
-        assert not np.isnan(np.asarray(values, dtype=float)).any(), f"{kind}: {name} holds NaN"
-    assert filter.index_outputs <= set(filter.outputs), f"{kind}: index_outputs names what outputs does not"
+        _require(len(values) == surface.n_vertices, f"{kind}: {name} has {len(values)} rows")
+        _require(not np.isnan(np.asarray(values, dtype=float)).any(), f"{kind}: {name} holds NaN")
+    _require(filter.index_outputs <= set(filter.outputs), f"{kind}: index_outputs names what outputs does not")
 
 
 def _composition(filter: Filter, surface: Surface) -> None:
     from qgeo_filters.filters.differential import DifferentialCoordinates
 
     pipeline = filter | DifferentialCoordinates()
-    assert isinstance(pipeline, Pipeline), f"{type(filter).__name__}: | must give a Pipeline"
+    _require(isinstance(pipeline, Pipeline), f"{type(filter).__name__}: | must give a Pipeline")
     together = pipeline.apply(surface).attributes
     for name in [*filter.outputs, "qgeo_delta"]:
-        assert name in together, f"{type(filter).__name__}: {name} is lost in a pipeline"
+        _require(name in together, f"{type(filter).__name__}: {name} is lost in a pipeline")
 
 
 def _serialisation(filter: Filter, surface: Surface) -> None:
     kind = type(filter).__name__
-    assert repr(pickle.loads(pickle.dumps(filter))) == repr(filter), f"{kind}: pickling changes the filter"
+    _require(repr(pickle.loads(pickle.dumps(filter))) == repr(filter), f"{kind}: pickling changes the filter")
     pipeline = filter if isinstance(filter, Pipeline) else Pipeline([filter])
     if any(type(step).__name__ not in REGISTRY for step in pipeline.steps):
         return  # not `registered`: saved pipelines do not know it
     try:
         text = pipeline.to_yaml()
-    except ValueError:
+    except ParameterError:
         return  # a parameter that text cannot hold, said in one sentence
-    assert Pipeline.from_yaml(text).to_yaml() == text, f"{kind}: YAML changes the filter"
+    _require(Pipeline.from_yaml(text).to_yaml() == text, f"{kind}: YAML changes the filter")
 
 
 def _hosts(filter: Filter, surface: Surface) -> None:
@@ -165,16 +180,17 @@ def _hosts(filter: Filter, surface: Surface) -> None:
             continue
         mesh = make(surface)
         result = filter(mesh)
-        assert type(result) is type(mesh), f"{kind}: {module} gave {type(mesh)} and got {type(result)}"
+        _require(type(result) is type(mesh), f"{kind}: {module} gave {type(mesh)} and got {type(result)}")
         found = as_surface(result).attributes
         for name in filter.outputs:
-            assert name in found, f"{kind}: {name} does not reach {module}"
+            _require(name in found, f"{kind}: {name} does not reach {module}")
             # Hosts hold coordinates in single or double precision, and colours in eight bits a channel.
             a, b = np.asarray(found[name], float), np.asarray(expected[name], float)
             finite = np.isfinite(b)
             scale = np.abs(b[finite]).max(initial=1e-300)
-            assert np.allclose(a.reshape(b.shape)[finite], b[finite], atol=2.5e-3 * scale), (
-                f"{kind}: {name} differs in {module}"
+            _require(
+                np.allclose(a.reshape(b.shape)[finite], b[finite], atol=2.5e-3 * scale),
+                f"{kind}: {name} differs in {module}",
             )
 
 
@@ -182,5 +198,8 @@ def _refusal(filter: Filter, surface: Surface) -> None:
     fan = Surface([[0, 0, 0], [0, 0, 1], [1, 0, 0], [-1, 1, 0], [-1, -1, 0]], [[0, 1, 2], [0, 1, 3], [0, 1, 4]])
     try:
         filter(fan)
-    except (MeshError, ValueError) as error:
-        assert str(error), f"{type(filter).__name__}: refuses without a sentence"
+    except QgeoError as error:
+        _require(str(error), f"{type(filter).__name__}: refuses without a sentence")
+    except Exception as error:
+        kind = type(filter).__name__
+        raise AssertionError(f"{kind}: refuses a mesh with {type(error).__name__}, no QgeoError") from error

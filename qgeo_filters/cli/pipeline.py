@@ -34,7 +34,7 @@ def run(
     import numpy as np
 
     from qgeo_filters.cli.job import Job
-    from qgeo_filters.filters.pipeline import Pipeline
+    from qgeo_filters.filters.base import Pipeline
     from qgeo_filters.report.figures import plot_attribute
 
     try:

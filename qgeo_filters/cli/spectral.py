@@ -57,7 +57,16 @@ def spectrum(
     from qgeo_filters.filters.spectral import QuasiGeodesicSpectrum
     from qgeo_filters.report.figures import plot_eigenfunctions, plot_spectrum
 
-    descriptor = QuasiGeodesicSpectrum(k, scalar, curvature_weight, weights, landmarks, smoothing, method, accuracy)
+    descriptor = QuasiGeodesicSpectrum(
+        k=k,
+        scalar=scalar,
+        curvature_weight=curvature_weight,
+        mass=weights,
+        landmarks=landmarks,
+        smoothing=smoothing,
+        method=method,
+        accuracy=accuracy,
+    )
     job = Job(
         "spectrum",
         Settings(output, quiet, json, repair, pictures),

@@ -8,7 +8,9 @@ import matplotlib
 import numpy as np
 
 from qgeo_filters.errors import MeshError, ParameterError
-from qgeo_filters.filters.base import Filter, registered
+from qgeo_filters.filters.base import Filter
+from qgeo_filters.filters.differential import SurfaceScalar
+from qgeo_filters.filters.registry import registered
 from qgeo_filters.surface import Surface
 
 
@@ -36,8 +38,14 @@ class Paint(Filter):
 
     outputs = {"colors": "(n, 3) float64 in [0, 1]: vertex colours, where the host keeps its own"}
 
+    @classmethod
+    def example(cls, surface: Surface) -> Filter:
+        """After the filter that makes what is painted by default."""
+        return SurfaceScalar() | cls()
+
     def __init__(
         self,
+        *,
         attribute: str = "qgeo_scalar",
         component: int | None = None,
         colormap: str = "viridis",

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterator, Mapping
+import os
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
+from qgeo_filters._deprecation import renamed_parameters
+from qgeo_filters.atomic import atomic_write
 from qgeo_filters.caching import cache
 from qgeo_filters.errors import MeshError, ParameterError
+from qgeo_filters.filters import yaml_text
+from qgeo_filters.filters.registry import filter_by_name
 from qgeo_filters.hosts.dispatch import as_surface, is_host_mesh, write_back
 from qgeo_filters.hosts.repair import Repair, repair_surface
+from qgeo_filters.parallel import default_workers
 from qgeo_filters.surface import Surface
 
 FilterType = TypeVar("FilterType", bound="Filter")
@@ -20,20 +28,33 @@ FilterType = TypeVar("FilterType", bound="Filter")
 class Filter:
     """One step from a mesh to the same mesh with more named per-vertex attributes.
 
-    A subclass takes keyword arguments, stores each unchanged under its own name and does nothing else in
-    its constructor (scikit-learn's convention), lists in `outputs` the attributes that it adds, and
+    A subclass takes keyword arguments only, each with a default, stores each unchanged under its own name and does
+    nothing else in its constructor (scikit-learn's convention), lists in `outputs` the attributes that it adds, and
     implements `compute`. Results that are not per vertex are left on the filter, under a name that ends
     in an underscore, until the next call.
     """
 
     outputs: ClassVar[Mapping[str, str]] = {}
-    """Attributes that the filter adds: name -> shape, unit and meaning."""
+    """Attributes that the filter adds: name -> shape, unit and meaning. Reading it costs nothing and never fails."""
 
     index_outputs: ClassVar[frozenset[str]] = frozenset()
     """Those of `outputs` whose values are vertex indices of the same mesh."""
 
+    renamed: ClassVar[Mapping[str, str]] = {}
+    """New name of each parameter that had another: the old one is taken too, with a DeprecationWarning."""
+
     repair_: Repair | None = None
     """What the last call with ``repair=True`` changed."""
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        if "renamed" in vars(cls):
+            setattr(cls, "__init__", renamed_parameters(**cls.renamed)(cls.__init__))  # noqa: B010, mypy
+
+    @classmethod
+    def example(cls, surface: Surface) -> Filter:
+        """A filter of this kind, alone or after others, that can be applied to the surface: what tests try."""
+        return cls()
 
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
         """Attributes of the surface, by name; what a subclass implements."""
@@ -43,7 +64,7 @@ class Filter:
         """Surface with the filter's attributes added."""
         return surface.with_attributes(self.compute(surface, progress))
 
-    def __call__(self, mesh: Any, *, repair: bool = False, progress: bool = False) -> Any:
+    def __call__(self, mesh: Any, *, repair: bool = False, progress: bool = False, workers: int | None = None) -> Any:
         """Mesh of the same kind with the filter's attributes; the input is not changed.
 
         Parameters
@@ -58,6 +79,8 @@ class Filter:
             with indices out of range, say), the repaired `Surface` is returned.
         progress : bool
             Show progress bars.
+        workers : int, optional
+            Number of threads, at least 1; by default all cores that this process may use. Results do not depend on it.
 
         Raises
         ------
@@ -65,7 +88,7 @@ class Filter:
             For a mesh that the filter cannot take; the message names what is wrong, where and how often.
         """
         self.repair_ = None
-        with cache.held():
+        with cache.held(), default_workers(workers):
             if not repair:
                 surface = as_surface(mesh)
                 return write_back(mesh, surface, _added(surface, self.apply(surface, progress)))
@@ -96,9 +119,16 @@ class Filter:
         return {name: getattr(self, name) for name in self._parameter_names()}
 
     def set_params(self: FilterType, **params: Any) -> FilterType:
-        """The filter with some arguments replaced, in place; unknown names raise ValueError."""
+        """The filter with some arguments replaced, in place; unknown names raise ParameterError."""
         names = self._parameter_names()
         for name, value in params.items():
+            if name in self.renamed:
+                kind, old, name = type(self).__name__, name, self.renamed[name]
+                warnings.warn(
+                    f"{kind}: {old} is now called {name}; the old name goes with the next release",
+                    DeprecationWarning,
+                    stacklevel=2,
+                )
             if name not in names:
                 raise ParameterError(
                     f"{type(self).__name__} has no parameter {name!r}; it has {', '.join(names) or 'none'}"
@@ -115,28 +145,113 @@ class Filter:
 
     # -- composition --------------------------------------------------------------------------------
 
-    def __or__(self, other: Filter) -> Any:
+    def __or__(self, other: Filter) -> Pipeline:
         if not isinstance(other, Filter):
             return NotImplemented
-        from qgeo_filters.filters.pipeline import Pipeline
-
-        return Pipeline([*_steps(self), *_steps(other)])
+        return Pipeline([*_steps_of(self), *_steps_of(other)])
 
 
-def _steps(filter: Filter) -> Iterator[Filter]:
-    yield from getattr(filter, "steps", [filter])
+class Pipeline(Filter):
+    """Filters applied one after the other, each seeing the attributes of those before it.
+
+    Parameters
+    ----------
+    steps : sequence of Filter
+        Also made by ``a | b | c``. ``pipeline[i]`` and ``pipeline["ClassName"]`` give a step, which holds
+        the results that are not per vertex.
+
+    Notes
+    -----
+    The mesh is converted once at either end, and an expensive stage (scalar, distances, spectrum) that
+    several steps need is computed once.
+    """
+
+    def __init__(self, steps: Sequence[Filter] = ()) -> None:
+        self.steps = steps
+
+    @property
+    def outputs(self) -> Mapping[str, str]:  # type: ignore[override]
+        """Attributes that all steps add."""
+        return {name: text for step in self.steps for name, text in step.outputs.items()}
+
+    @property
+    def index_outputs(self) -> frozenset[str]:  # type: ignore[override]
+        """Those attributes that hold vertex indices."""
+        return frozenset().union(*(step.index_outputs for step in self.steps))
+
+    def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
+        """Attributes that all steps add or replace."""
+        after = self.apply(surface, progress)
+        return {name: after.attributes[name] for name in after.attributes if name in self.outputs}
+
+    def apply(self, surface: Surface, progress: bool = False) -> Surface:
+        """Surface after the last step."""
+        for step in self.steps:
+            surface = step.apply(surface, progress)
+        return surface
+
+    def clone(self) -> Pipeline:
+        """New pipeline of cloned steps."""
+        return Pipeline([step.clone() for step in self.steps])
+
+    def __len__(self) -> int:
+        return len(self.steps)
+
+    def __getitem__(self, key: int | str) -> Filter:
+        if isinstance(key, int):
+            return self.steps[key]
+        for step in self.steps:
+            if type(step).__name__ == key:
+                return step
+        raise KeyError(f"no step {key!r}; the steps are {', '.join(type(step).__name__ for step in self.steps)}")
+
+    def __repr__(self) -> str:
+        return " | ".join(map(repr, self.steps)) if len(self.steps) > 1 else f"Pipeline({list(self.steps)!r})"
+
+    # -- YAML ---------------------------------------------------------------------------------------
+
+    def to_yaml(self) -> str:
+        """The pipeline as YAML text.
+
+        Raises
+        ------
+        ParameterError
+            For a parameter that text cannot hold (an array, a function, a mesh): its name is given.
+        """
+        return yaml_text.to_yaml((type(step).__name__, step.get_params()) for step in self.steps)
+
+    @classmethod
+    def from_yaml(cls, text: str) -> Pipeline:
+        """Pipeline from YAML text: ``qgeo_pipeline: 1`` and ``steps``, a list of ``FilterName: {parameter: value}``.
+
+        Raises
+        ------
+        ParameterError
+            For text that is not YAML or no pipeline, an unknown filter or an unknown parameter.
+        """
+        steps = []
+        for position, (name, parameters) in enumerate(yaml_text.from_yaml(text)):
+            try:
+                steps.append(filter_by_name(name, parameters))
+            except ParameterError as error:
+                raise ParameterError(f"steps[{position}]: {error}") from error
+        return cls(steps)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write as YAML, atomically."""
+        with atomic_write(path) as file:
+            file.write(self.to_yaml().encode())
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Pipeline:
+        """Pipeline from a YAML file, see `from_yaml`."""
+        return cls.from_yaml(Path(path).read_text(encoding="utf-8"))
+
+
+def _steps_of(filter: Filter) -> Sequence[Filter]:
+    return filter.steps if isinstance(filter, Pipeline) else [filter]
 
 
 def _added(before: Surface, after: Surface) -> dict[str, np.ndarray]:
     """Attributes that are new or replaced."""
     return {name: values for name, values in after.attributes.items() if before.attributes.get(name) is not values}
-
-
-REGISTRY: dict[str, type[Filter]] = {}
-"""Filters by the name under which a saved pipeline refers to them."""
-
-
-def registered(cls: type[FilterType]) -> type[FilterType]:
-    """Class decorator: a saved pipeline may name this filter."""
-    REGISTRY[cls.__name__] = cls
-    return cls

@@ -11,7 +11,8 @@ from qgeo_filters.differential.coordinates import differential_coordinates
 from qgeo_filters.differential.curvature import gaussian_curvature, mean_curvature, principal_curvatures
 from qgeo_filters.differential.normals import vertex_normals
 from qgeo_filters.differential.scalar import Scalar, surface_scalar
-from qgeo_filters.filters.base import Filter, registered
+from qgeo_filters.filters.base import Filter
+from qgeo_filters.filters.registry import registered
 from qgeo_filters.surface import Surface
 
 
@@ -27,7 +28,7 @@ class DifferentialCoordinates(Filter):
 
     outputs = {"qgeo_delta": "(n, 3), length (uniform) or 1/length (cotangent): differential coordinate"}
 
-    def __init__(self, weights: Literal["uniform", "cotangent"] = "uniform") -> None:
+    def __init__(self, *, weights: Literal["uniform", "cotangent"] = "uniform") -> None:
         self.weights = weights
 
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
@@ -47,7 +48,7 @@ class CorrectedNormals(Filter):
 
     outputs = {"qgeo_normal": "(n, 3), unit vectors: normal of each vertex (paper, Fig. 2d)"}
 
-    def __init__(self, corrected: bool = True) -> None:
+    def __init__(self, *, corrected: bool = True) -> None:
         self.corrected = corrected
 
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
@@ -74,7 +75,7 @@ class Curvatures(Filter):
         "qgeo_d2": "(n, 3), unit vectors: direction of the smaller principal curvature",
     }
 
-    def __init__(self, radius: int = 5) -> None:
+    def __init__(self, *, radius: int = 5) -> None:
         self.radius = radius
 
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
@@ -108,6 +109,7 @@ class SurfaceScalar(Filter):
 
     def __init__(
         self,
+        *,
         scalar: Scalar = "mean_curvature",
         clip: tuple[float, float] | None = (2, 98),
         smoothing: float = 0.0,

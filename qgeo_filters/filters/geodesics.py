@@ -10,7 +10,8 @@ import numpy as np
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.filters import stages
-from qgeo_filters.filters.base import Filter, registered
+from qgeo_filters.filters.base import Filter
+from qgeo_filters.filters.registry import registered
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric
 from qgeo_filters.geodesics.path.paths import GeodesicPath, quasi_geodesic
@@ -41,6 +42,7 @@ class MetricFilter(Filter):
 
     def __init__(
         self,
+        *,
         scalar: Scalar = "mean_curvature",
         curvature_weight: float = CURVATURE_WEIGHT,
         smoothing: float = 0.0,
@@ -74,6 +76,7 @@ class QuasiGeodesicDistances(MetricFilter):
 
     def __init__(
         self,
+        *,
         sources: int | Sequence[int] = 0,
         scalar: Scalar = "mean_curvature",
         curvature_weight: float = CURVATURE_WEIGHT,
@@ -81,7 +84,9 @@ class QuasiGeodesicDistances(MetricFilter):
         method: Method = "graph",
         accuracy: float = 1e-3,
     ) -> None:
-        super().__init__(scalar, curvature_weight, smoothing, method, accuracy)
+        super().__init__(
+            scalar=scalar, curvature_weight=curvature_weight, smoothing=smoothing, method=method, accuracy=accuracy
+        )
         self.sources = sources
 
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
@@ -118,8 +123,14 @@ class QuasiGeodesicPath(MetricFilter):
     path_: GeodesicPath
     """The path of the last call."""
 
+    @classmethod
+    def example(cls, surface: Surface) -> Filter:
+        """From the first vertex to the last."""
+        return cls(end=surface.n_vertices - 1)
+
     def __init__(
         self,
+        *,
         start: int = 0,
         end: int = 1,
         scalar: Scalar = "mean_curvature",

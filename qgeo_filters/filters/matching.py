@@ -11,8 +11,9 @@ from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.filters import stages
-from qgeo_filters.filters.base import Filter, registered
+from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.geodesics import Method, MetricFilter
+from qgeo_filters.filters.registry import registered
 from qgeo_filters.hosts.dispatch import as_surface
 from qgeo_filters.matching.correspondence import MatchResult
 from qgeo_filters.matching.symmetry import Symmetry
@@ -63,6 +64,7 @@ class SelfSymmetry(MetricFilter):
 
     def __init__(
         self,
+        *,
         k0: int = 20,
         n_regions: int = 8,
         reading: Reading = "absolute",
@@ -72,7 +74,9 @@ class SelfSymmetry(MetricFilter):
         method: Method = "graph",
         accuracy: float = 1e-3,
     ) -> None:
-        super().__init__(scalar, curvature_weight, smoothing, method, accuracy)
+        super().__init__(
+            scalar=scalar, curvature_weight=curvature_weight, smoothing=smoothing, method=method, accuracy=accuracy
+        )
         self.k0 = k0
         self.n_regions = n_regions
         self.reading = reading
@@ -114,7 +118,12 @@ class Correspondence(Filter):
     correspondence_: MatchResult
     """The correspondence of the last call, with ``confident``, ``score`` and ``regions_y`` of the target."""
 
-    def __init__(self, target: Any = None, normalize: bool = True) -> None:
+    @classmethod
+    def example(cls, surface: Surface) -> Filter:
+        """With itself."""
+        return cls(target=surface)
+
+    def __init__(self, *, target: Any = None, normalize: bool = True) -> None:
         self.target = target
         self.normalize = normalize
 

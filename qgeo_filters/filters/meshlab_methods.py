@@ -21,6 +21,7 @@ from qgeo_filters.filters.differential import DifferentialCoordinates, SurfaceSc
 from qgeo_filters.filters.geodesics import QuasiGeodesicDistances
 from qgeo_filters.filters.spectral import QuasiGeodesicSpectrum
 from qgeo_filters.hosts.dispatch import as_surface
+from qgeo_filters.parallel import default_workers
 from qgeo_filters.surface import Surface
 
 
@@ -30,6 +31,7 @@ def compute_scalar_by_quasi_geodesic_distance_from_given_point_per_vertex(
     startpoint: npt.ArrayLike = (0.0, 0.0, 0.0),
     curvatureweight: float = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
+    workers: int | None = None,
 ) -> dict[str, Any]:
     """Set the scalar to the quasi-geodesic distance from the vertex nearest to a point.
 
@@ -39,6 +41,8 @@ def compute_scalar_by_quasi_geodesic_distance_from_given_point_per_vertex(
         In the coordinates of the mesh.
     curvatureweight, scalar
         Of the metric, see `qgeo_filters.QuasiGeodesicDistances`.
+    workers : int, optional
+        Number of threads; by default all cores that this process may use.
 
     Returns
     -------
@@ -50,7 +54,9 @@ def compute_scalar_by_quasi_geodesic_distance_from_given_point_per_vertex(
     if point.shape != (3,) or not np.isfinite(point).all():
         raise MeshError(f"startpoint must be three finite coordinates, got {startpoint!r}")
     start = int(cKDTree(surface.vertices).query(point)[1])
-    distance = _run(meshset, surface, QuasiGeodesicDistances(start, scalar, curvatureweight))["qgeo_distance"]
+    filter = QuasiGeodesicDistances(sources=start, scalar=scalar, curvature_weight=curvatureweight)
+    with default_workers(workers):
+        distance = _run(meshset, surface, filter)["qgeo_distance"]
     return {"start_vertex": start, "maximum": float(distance[np.isfinite(distance)].max())}
 
 
@@ -61,6 +67,7 @@ def compute_scalar_by_quasi_geodesic_spectrum_per_vertex(
     k: int = 20,
     curvatureweight: float = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
+    workers: int | None = None,
 ) -> dict[str, Any]:
     """Set the scalar to one eigenfunction of the quasi-geodesic distances.
 
@@ -70,6 +77,8 @@ def compute_scalar_by_quasi_geodesic_spectrum_per_vertex(
         Which of the ``k`` eigenfunctions, from 0.
     k, curvatureweight, scalar
         See `qgeo_filters.QuasiGeodesicSpectrum`.
+    workers : int, optional
+        Number of threads; by default all cores that this process may use.
 
     Returns
     -------
@@ -79,8 +88,9 @@ def compute_scalar_by_quasi_geodesic_spectrum_per_vertex(
     if not 0 <= component < k:
         raise ParameterError(f"component must lie between 0 and k - 1 = {k - 1}, got {component}")
     surface = as_surface(meshset)
-    filter = QuasiGeodesicSpectrum(k, scalar, curvatureweight)
-    _run(meshset, surface, filter, component)
+    filter = QuasiGeodesicSpectrum(k=k, scalar=scalar, curvature_weight=curvatureweight)
+    with default_workers(workers):
+        _run(meshset, surface, filter, component)
     return {
         "eigenvalues": filter.spectrum_.eigenvalues.copy(),
         "eigenfunctions": filter.spectrum_.eigenfunctions.copy(),
@@ -91,14 +101,14 @@ def compute_scalar_by_lifted_metric_scalar_per_vertex(
     meshset: Any, *, scalar: Scalar = "mean_curvature", smoothing: float = 0.0
 ) -> dict[str, Any]:
     """Set the scalar to the function f that bends the metric, see `qgeo_filters.SurfaceScalar`."""
-    _run(meshset, as_surface(meshset), SurfaceScalar(scalar, smoothing=smoothing))
+    _run(meshset, as_surface(meshset), SurfaceScalar(scalar=scalar, smoothing=smoothing))
     return {}
 
 
 def compute_scalar_by_differential_norm_per_vertex(meshset: Any, *, weights: Any = "uniform") -> dict[str, Any]:
     """Set the scalar to the length of the differential coordinate, see `qgeo_filters.DifferentialCoordinates`."""
     surface = as_surface(meshset)
-    delta = DifferentialCoordinates(weights).compute(surface)["qgeo_delta"]
+    delta = DifferentialCoordinates(weights=weights).compute(surface)["qgeo_delta"]
     _set_scalar(meshset, "qgeo_differential_norm", np.linalg.norm(delta, axis=1))
     return {}
 

@@ -14,8 +14,8 @@ from typing import Any
 
 import pyvista
 
-import qgeo_filters
 from qgeo_filters.filters.base import Filter
+from qgeo_filters.filters.registry import registered_filters
 from qgeo_filters.hosts.dispatch import as_surface
 from qgeo_filters.surface import Surface
 
@@ -24,8 +24,8 @@ from qgeo_filters.surface import Surface
 class QgeoAccessor:
     """The package's filters as methods of a surface, named in lower case with underscores.
 
-    Each takes the filter's parameters by name, and ``repair`` and ``progress`` as every filter's call does,
-    and returns a new PolyData with the filter's attributes in its ``point_data``.
+    Each takes the filter's parameters by name, and ``repair``, ``progress`` and ``workers`` as every filter's call
+    does, and returns a new PolyData with the filter's attributes in its ``point_data``.
     """
 
     def __init__(self, mesh: pyvista.PolyData) -> None:
@@ -37,20 +37,28 @@ class QgeoAccessor:
         return as_surface(self._mesh)
 
     def apply(
-        self, filter: Callable[..., pyvista.PolyData], *, repair: bool = False, progress: bool = False
+        self,
+        filter: Callable[..., pyvista.PolyData],
+        *,
+        repair: bool = False,
+        progress: bool = False,
+        workers: int | None = None,
     ) -> pyvista.PolyData:
         """New PolyData with the attributes of a filter or pipeline."""
-        return filter(self._mesh, repair=repair, progress=progress)
+        return filter(self._mesh, repair=repair, progress=progress, workers=workers)
 
     def __getattr__(self, name: str) -> Callable[..., pyvista.PolyData]:
-        filter_class = _filter(name)
-        if filter_class is None:
-            if name.startswith("_"):
-                raise AttributeError(name)
-            raise AttributeError(f"mesh.qgeo has no filter {name!r}; it has {', '.join(_filters())}")
+        if name.startswith("_"):
+            raise AttributeError(name)
+        known = _filters()
+        if name not in known:
+            raise AttributeError(f"mesh.qgeo has no filter {name!r}; it has {', '.join(known)}")
+        filter_class = known[name]
 
-        def method(*, repair: bool = False, progress: bool = False, **parameters: Any) -> pyvista.PolyData:
-            return self.apply(filter_class(**parameters), repair=repair, progress=progress)
+        def method(
+            *, repair: bool = False, progress: bool = False, workers: int | None = None, **parameters: Any
+        ) -> pyvista.PolyData:
+            return self.apply(filter_class(**parameters), repair=repair, progress=progress, workers=workers)
 
         method.__name__ = name
         method.__doc__ = inspect.getdoc(filter_class)
@@ -60,19 +68,9 @@ class QgeoAccessor:
         return ["apply", "surface", *_filters()]
 
 
-def _filters() -> list[str]:
-    """Method names of all public filters."""
-    return [name for name in map(_method_name, qgeo_filters.__all__) if _filter(name) is not None]
-
-
-def _filter(name: str) -> type | None:
-    """Public filter of this method name; only its own module is loaded."""
-    for public in qgeo_filters.__all__:
-        # Functions and modules of the package are in lower case already; exceptions and results are no filters.
-        if public[0].isupper() and _method_name(public) == name and public not in ("Filter", "Pipeline"):
-            value = getattr(qgeo_filters, public)
-            return value if inspect.isclass(value) and issubclass(value, Filter) else None
-    return None
+def _filters() -> dict[str, type[Filter]]:
+    """Filters by method name."""
+    return {_method_name(name): cls for name, cls in registered_filters().items()}
 
 
 def _method_name(class_name: str) -> str:

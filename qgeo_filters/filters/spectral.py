@@ -11,8 +11,9 @@ from qgeo_filters.caching import cache, content_key
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.filters import stages
-from qgeo_filters.filters.base import Filter, registered
+from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.geodesics import Method, MetricFilter
+from qgeo_filters.filters.registry import registered
 from qgeo_filters.spectral.distance_spectrum import Spectrum
 from qgeo_filters.spectral.laplacian import laplacian_spectrum
 from qgeo_filters.surface import Surface
@@ -26,7 +27,7 @@ class QuasiGeodesicSpectrum(MetricFilter):
     ----------
     k : int
         Number of eigenpairs, by decreasing absolute eigenvalue.
-    weights : {"area", "uniform"}
+    mass : {"area", "uniform"}
         Eigenproblem of the integral operator, or of the plain matrix (paper, eq. (2)).
     landmarks : int, optional
         Number of farthest points that stand for all, for meshes whose matrix does not fit in memory.
@@ -36,29 +37,34 @@ class QuasiGeodesicSpectrum(MetricFilter):
 
     outputs = {"qgeo_phi": "(n, k), 1/length: eigenfunctions of the distance operator, orthonormal over the area"}
 
+    renamed = {"weights": "mass"}
+
     spectrum_: Spectrum
     """Eigenvalues and eigenfunctions of the last call."""
 
     def __init__(
         self,
+        *,
         k: int = 20,
         scalar: Scalar = "mean_curvature",
         curvature_weight: float = CURVATURE_WEIGHT,
-        weights: Literal["area", "uniform"] = "area",
+        mass: Literal["area", "uniform"] = "area",
         landmarks: int | None = None,
         smoothing: float = 0.0,
         method: Method = "graph",
         accuracy: float = 1e-3,
     ) -> None:
-        super().__init__(scalar, curvature_weight, smoothing, method, accuracy)
+        super().__init__(
+            scalar=scalar, curvature_weight=curvature_weight, smoothing=smoothing, method=method, accuracy=accuracy
+        )
         self.k = k
-        self.weights = weights
+        self.mass = mass
         self.landmarks = landmarks
 
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
         """Eigenfunctions by attribute name."""
         self.spectrum_ = stages.spectrum_of(
-            self._metric(surface), self.k, self.weights, self.landmarks, self.method, self.accuracy, progress
+            self._metric(surface), self.k, self.mass, self.landmarks, self.method, self.accuracy, progress
         )
         return {"qgeo_phi": self.spectrum_.eigenfunctions}
 
@@ -78,7 +84,7 @@ class LaplacianSpectrum(Filter):
     spectrum_: Spectrum
     """Eigenvalues and eigenfunctions of the last call."""
 
-    def __init__(self, k: int = 20) -> None:
+    def __init__(self, *, k: int = 20) -> None:
         self.k = k
 
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:

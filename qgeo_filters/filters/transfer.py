@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import igl
@@ -10,7 +10,8 @@ import numpy as np
 
 from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.filters import stages
-from qgeo_filters.filters.base import Filter, registered
+from qgeo_filters.filters.base import Filter
+from qgeo_filters.filters.registry import registered
 from qgeo_filters.hosts.dispatch import as_surface
 from qgeo_filters.matching.correspondence import MatchResult
 from qgeo_filters.matching.maps.barycentric import BarycentricMap, nearest_in_triangles
@@ -28,7 +29,7 @@ class TransferAttributes(Filter):
     ----------
     source : mesh of any kind, or path
         Where the attributes come from; without a correspondence, both meshes in one frame.
-    names : sequence of str, optional
+    names : str or sequence of str, optional
         Attributes to transfer; all of the source by default.
     correspondence : bool, or result of `match`
         Whether to take the corresponding point instead of the closest: True finds the map from the mesh to the source
@@ -39,23 +40,45 @@ class TransferAttributes(Filter):
     -----
     Floating-point values are interpolated within the triangle. Whole numbers (labels, indices) and booleans are taken
     from the nearest corner instead, since an interpolated label means nothing. Vertex indices stay indices of the
-    source.
+    source. Where neither `names` are given nor the source is a `Surface`, `outputs` is empty until the first call: it
+    reads no file and no mesh of a host.
     """
 
+    names_: list[str]
+    """Attributes that the last call transferred."""
+
     def __init__(
-        self, source: Any = None, names: Sequence[str] | None = None, correspondence: bool | MatchResult = False
+        self,
+        *,
+        source: Any = None,
+        names: str | Sequence[str] | None = None,
+        correspondence: bool | MatchResult = False,
     ) -> None:
         self.source = source
         self.names = names
         self.correspondence = correspondence
 
+    @classmethod
+    def example(cls, surface: Surface) -> Filter:
+        """From the surface itself, with one attribute."""
+        return cls(source=surface.with_attributes({"height": surface.vertices[:, 2]}))
+
     @property
     def outputs(self) -> Mapping[str, str]:  # type: ignore[override]
-        """The transferred attributes."""
-        return {name: f"as on the source, {name}" for name in self._wanted(as_surface(self.source))}
+        """The transferred attributes: those of `names` or of a `Surface`; of any other source once it has been read."""
+        names: Iterable[str] = getattr(self, "names_", ())
+        if self.names is not None:
+            names = self._chosen(self.names)
+        elif isinstance(self.source, Surface):
+            names = self.source.attributes
+        return {name: f"as on the source, {name}" for name in names}
+
+    @staticmethod
+    def _chosen(names: str | Sequence[str]) -> list[str]:
+        return [names] if isinstance(names, str) else list(names)
 
     def _wanted(self, source: Surface) -> list[str]:
-        names = list(source.attributes) if self.names is None else list(self.names)
+        names = list(source.attributes) if self.names is None else self._chosen(self.names)
         missing = [name for name in names if name not in source.attributes]
         if missing:
             known = ", ".join(sorted(source.attributes)) or "none"
@@ -67,7 +90,7 @@ class TransferAttributes(Filter):
         if self.source is None:
             raise ParameterError("TransferAttributes needs a source mesh: TransferAttributes(source=mesh)")
         source = as_surface(self.source)
-        names = self._wanted(source)
+        names = self.names_ = self._wanted(source)
         place = self._place(surface, source, progress)
         return {name: place.pulled_back(source.attributes[name]) for name in names}
 

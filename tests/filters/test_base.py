@@ -2,43 +2,106 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 from shapes import bow_tie, icosphere
 
 import qgeo_filters as qg
-from qgeo_filters.filters.base import REGISTRY, Filter
+from qgeo_filters.filters.base import Filter
+from qgeo_filters.filters.registry import registered_filters
+from qgeo_filters.parallel import worker_count
 from qgeo_filters.testing import check_filter, sample_surface
 
-FILTERS = [
-    qg.DifferentialCoordinates(),
+# Each filter's own example, so that a new one is tried without being listed here; and some with other parameters.
+EXAMPLES = [cls.example(sample_surface()) for cls in registered_filters().values()]
+VARIANTS = [
     qg.DifferentialCoordinates(weights="cotangent"),
-    qg.CorrectedNormals(),
-    qg.Curvatures(radius=3),
-    qg.SurfaceScalar("gaussian_curvature", smoothing=0.05),
-    qg.QuasiGeodesicDistances(sources=3),
+    qg.SurfaceScalar(scalar="gaussian_curvature", smoothing=0.05),
     qg.QuasiGeodesicDistances(sources=[3, 7], curvature_weight=0.0, method="exact"),
-    qg.QuasiGeodesicPath(start=3, end=60),
-    qg.QuasiGeodesicSpectrum(k=6),
-    qg.LaplacianSpectrum(k=5),
-    qg.SelfSymmetry(k0=6, n_regions=3),
-    qg.SurfaceScalar() | qg.Paint("qgeo_scalar"),
-    qg.Correspondence(target=sample_surface()),
-    qg.TransferAttributes(sample_surface().with_attributes({"height": sample_surface().vertices[:, 2]})),
+    qg.QuasiGeodesicSpectrum(k=6, mass="uniform"),
+    qg.TransferAttributes(source=(sample_surface().vertices, sample_surface().faces), names=[]),
 ]
 
 
-@pytest.mark.parametrize("filter", FILTERS, ids=lambda filter: type(filter).__name__)
+@pytest.mark.parametrize("filter", EXAMPLES + VARIANTS, ids=lambda filter: type(filter).__name__)
 def test_every_filter_keeps_the_contract(filter: Filter) -> None:
     """The package's own conformance suite; it raises AssertionError with a sentence."""
     assert check_filter(filter) is None
 
 
-def test_every_registered_filter_is_public_and_tested() -> None:
-    tested = {type(step).__name__ for filter in FILTERS for step in getattr(filter, "steps", [filter])}
-    assert set(REGISTRY) <= tested
-    for name, cls in REGISTRY.items():
+def test_every_registered_filter_is_public_and_its_example_is_of_its_kind() -> None:
+    for name, cls in registered_filters().items():
         assert getattr(qg, name) is cls
+        example = cls.example(sample_surface())
+        assert type(example.steps[-1] if isinstance(example, qg.Pipeline) else example) is cls
+
+
+def test_parameters_are_given_by_name() -> None:
+    for cls in registered_filters().values():
+        with pytest.raises(TypeError, match=f"{cls.__name__}.*positional argument"):
+            cls(3)
+
+
+@pytest.mark.parametrize("workers", [0, -1, 1.5])
+def test_a_number_of_threads_that_is_none_is_refused(workers: float) -> None:
+    with pytest.raises(qg.ParameterError, match=r"workers must be .*(whole number|at least 1)"):
+        qg.DifferentialCoordinates()(sample_surface(), workers=workers)
+
+
+def test_workers_bound_the_threads_of_every_step_and_change_no_result() -> None:
+    seen = []
+
+    class Counting(Filter):
+        """Notes how many threads the call may use."""
+
+        def compute(self, surface: qg.Surface, progress: bool = False) -> dict[str, np.ndarray]:
+            seen.append(worker_count())
+            return {}
+
+    pipeline = Counting() | qg.QuasiGeodesicDistances(sources=[1, 2, 3], accuracy=2e-3) | Counting()
+    results = []
+    for workers in (3, 1, None):
+        qg.cache.clear()
+        results.append(pipeline(sample_surface(), workers=workers).attributes["qgeo_distance"])
+    assert seen == [3, 3, 1, 1, *[worker_count()] * 2]
+    assert all(np.array_equal(result, results[0]) for result in results)
+
+
+def test_outputs_of_a_transfer_cost_nothing_and_never_fail(tmp_path: Path) -> None:
+    source = sample_surface().with_attributes({"height": sample_surface().vertices[:, 2]})
+    missing = qg.TransferAttributes(source=tmp_path / "not_there.ply")
+    assert missing.outputs == {}
+    assert (missing | qg.Curvatures()).outputs == qg.Curvatures.outputs
+    assert set(qg.TransferAttributes(source=tmp_path / "not_there.ply", names=["a"]).outputs) == {"a"}
+    assert set(qg.TransferAttributes(source="not_there.ply", names="height").outputs) == {"height"}
+    assert qg.TransferAttributes().outputs == {}
+    source.write(tmp_path / "source.ply")
+    fromfile = qg.TransferAttributes(source=tmp_path / "source.ply")
+    assert fromfile.outputs == {}
+    assert fromfile(source).attributes["height"] == pytest.approx(source.vertices[:, 2])
+    assert set(fromfile.outputs) == {"height"}  # known now
+    assert fromfile.clone().outputs == {}
+    assert check_filter(fromfile) is None
+
+
+def test_an_assertion_of_the_suite_is_raised_under_python_o() -> None:
+    code = """
+import qgeo_filters as qg
+from qgeo_filters.testing import check_filter
+class Shy(qg.Filter):
+    def __init__(self, radius=1):
+        self.radius = radius
+try:
+    check_filter(Shy())
+except AssertionError as error:
+    print(error)
+"""
+    done = subprocess.run([sys.executable, "-O", "-c", code], capture_output=True, text=True)
+    assert done.stdout == "Shy: parameter radius can be given by position; put * before it\n", done.stderr
 
 
 class _Broken(Filter):
@@ -46,7 +109,7 @@ class _Broken(Filter):
 
     outputs = {"qgeo_broken": "(n,)"}
 
-    def __init__(self, how: str = "none") -> None:
+    def __init__(self, *, how: str = "none") -> None:
         self.how = how
         if how == "constructor":
             self.extra = 1
@@ -79,7 +142,7 @@ def test_the_suite_accepts_a_good_filter() -> None:
 )
 def test_the_suite_notices_a_broken_filter(how: str, sentence: str) -> None:
     with pytest.raises(AssertionError, match=sentence):
-        check_filter(_Broken(how))
+        check_filter(_Broken(how=how))
 
 
 def test_unknown_parameter_is_refused_by_name() -> None:
@@ -123,14 +186,14 @@ def test_bow_tie_names_the_vertex() -> None:
 
 def test_paint_says_which_attributes_there_are() -> None:
     with pytest.raises(qg.MeshError, match="no attribute 'qgeo_phi' to paint; the mesh has qgeo_delta"):
-        (qg.DifferentialCoordinates() | qg.Paint("qgeo_phi"))(icosphere(1))
+        (qg.DifferentialCoordinates() | qg.Paint(attribute="qgeo_phi"))(icosphere(1))
 
 
 def test_paint_maps_the_range_to_the_map_and_the_rest_to_grey() -> None:
     surface = sample_surface()
     values = surface.vertices[:, 0].copy()
     values[5] = np.inf
-    painted = qg.Paint("x", colormap="viridis")(surface.with_attributes({"x": values}))
+    painted = qg.Paint(attribute="x", colormap="viridis")(surface.with_attributes({"x": values}))
     colors = painted.attributes["colors"]
     assert np.allclose(colors[5], 0.6)
     assert np.allclose(colors[np.argmin(values)], [0.267004, 0.004874, 0.329415])  # first colour of viridis
@@ -147,7 +210,7 @@ def test_transfer_is_exact_for_linear_functions_on_flat_triangles() -> None:
     weights = rng.dirichlet(np.ones(3), size=source.n_faces)
     points = np.einsum("ij,ijk->ik", weights, source.vertices[source.faces])
     target = qg.Surface(points, [[0, 1, 2]])
-    result = qg.TransferAttributes(source)(target)
+    result = qg.TransferAttributes(source=source)(target)
     assert np.allclose(result.attributes["f"], points @ np.array([1.0, -2.0, 0.5]), atol=1e-9)
     nearest = source.faces[np.arange(source.n_faces), weights.argmax(axis=1)]
     assert np.array_equal(result.attributes["label"], nearest % 3)
@@ -162,22 +225,24 @@ def test_transfer_along_a_correspondence() -> None:
     attributes = {"height": height, "label": (height > 0).astype(int)}
     source = qg.Surface(turned, np.argsort(order)[target.faces], attributes)
     found = qg.Correspondence(target=source)
-    result = (found | qg.TransferAttributes(source, correspondence=True))(target)
+    result = (found | qg.TransferAttributes(source=source, correspondence=True))(target)
     reach = np.ptp(target.vertices[:, 2])
     assert np.abs(result.attributes["height"] - target.vertices[:, 2]).mean() < 0.02 * reach
     assert (result.attributes["label"] == (target.vertices[:, 2] > 0)).mean() > 0.95
-    given = qg.TransferAttributes(source, ["height"], correspondence=found.correspondence_)(target)
+    given = qg.TransferAttributes(source=source, names=["height"], correspondence=found.correspondence_)(target)
     assert np.array_equal(given.attributes["height"], result.attributes["height"])
     assert "label" not in given.attributes
     with pytest.raises(qg.MeshError, match=r"the correspondence maps .* vertices"):
-        qg.TransferAttributes(source, correspondence=found.correspondence_)(qg.Surface(*icosphere(1)))
+        qg.TransferAttributes(source=source, correspondence=found.correspondence_)(qg.Surface(*icosphere(1)))
 
 
 def test_the_path_is_as_long_as_the_distance_and_lies_in_the_marked_triangles() -> None:
     surface = sample_surface()
     filter = qg.QuasiGeodesicPath(start=5, end=120, curvature_weight=0.05)
     marks = filter(surface).attributes["qgeo_path"]
-    exact = qg.QuasiGeodesicDistances(5, curvature_weight=0.05, method="exact")(surface).attributes["qgeo_distance"]
+    exact = qg.QuasiGeodesicDistances(sources=5, curvature_weight=0.05, method="exact")(surface).attributes[
+        "qgeo_distance"
+    ]
     assert filter.path_.length == pytest.approx(exact[120], rel=1e-9)
     assert marks[[5, 120]].tolist() == [1, 1]
     assert 0 < marks.sum() < surface.n_vertices

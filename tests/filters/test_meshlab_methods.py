@@ -30,7 +30,7 @@ def test_distance_is_the_scalar_and_can_be_chained(meshset: pymeshlab.MeshSet) -
     surface = sample_surface()
     method = meshset.compute_scalar_by_quasi_geodesic_distance_from_given_point_per_vertex
     answer = method(startpoint=surface.vertices[17] * 1.01)
-    expected = qg.QuasiGeodesicDistances(17)(surface).attributes["qgeo_distance"]
+    expected = qg.QuasiGeodesicDistances(sources=17)(surface).attributes["qgeo_distance"]
     assert answer["start_vertex"] == 17
     assert np.allclose(meshset.current_mesh().vertex_scalar_array(), expected, rtol=1e-5)
     assert answer["maximum"] == pytest.approx(expected.max())

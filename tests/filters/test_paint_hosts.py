@@ -8,7 +8,7 @@ import pytest
 import qgeo_filters as qg
 from qgeo_filters.testing import sample_surface
 
-PIPE = qg.SurfaceScalar() | qg.Paint("qgeo_scalar")
+PIPE = qg.SurfaceScalar() | qg.Paint(attribute="qgeo_scalar")
 
 
 @pytest.fixture(scope="module")

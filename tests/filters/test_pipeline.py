@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -34,14 +36,12 @@ def test_a_pipeline_gives_what_its_steps_give_one_by_one() -> None:
 
 def test_an_earlier_attribute_can_be_the_scalar_of_a_later_metric() -> None:
     surface = sample_surface()
-    pipe = qg.SurfaceScalar("shape_index") | qg.QuasiGeodesicDistances(0, scalar="qgeo_scalar")
-    direct = qg.QuasiGeodesicDistances(0, scalar="shape_index")(surface)
+    pipe = qg.SurfaceScalar(scalar="shape_index") | qg.QuasiGeodesicDistances(scalar="qgeo_scalar")
+    direct = qg.QuasiGeodesicDistances(scalar="shape_index")(surface)
     # f is scaled to unit deviation twice, which changes nothing but rounding; it is clipped twice as well.
     result = pipe(surface).attributes["qgeo_distance"]
     assert np.allclose(result, direct.attributes["qgeo_distance"], rtol=1e-2)
-    assert not np.allclose(
-        result, qg.QuasiGeodesicDistances(0, curvature_weight=0)(surface).attributes["qgeo_distance"]
-    )
+    assert not np.allclose(result, qg.QuasiGeodesicDistances(curvature_weight=0)(surface).attributes["qgeo_distance"])
 
 
 def test_the_matrix_is_computed_once_whatever_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -61,7 +61,9 @@ def test_the_matrix_is_computed_once_whatever_the_bound(monkeypatch: pytest.Monk
 
 
 def test_yaml_round_trip(tmp_path: Path) -> None:
-    pipe = qg.DifferentialCoordinates("cotangent") | qg.SurfaceScalar(clip=(5, 95)) | qg.QuasiGeodesicSpectrum(k=7)
+    pipe = (
+        qg.DifferentialCoordinates(weights="cotangent") | qg.SurfaceScalar(clip=(5, 95)) | qg.QuasiGeodesicSpectrum(k=7)
+    )
     pipe.save(tmp_path / "pipe.yaml")
     again = qg.Pipeline.load(tmp_path / "pipe.yaml")
     assert repr(again) == repr(pipe)
@@ -79,7 +81,7 @@ def test_yaml_by_hand() -> None:
         ("steps: [", "not valid YAML"),
         ("- a", "must be a mapping"),
         ("qgeo_pipeline: 2\nsteps: []", "format 2, this version reads qgeo_pipeline: 1"),
-        ("qgeo_pipeline: 1\nsteps: [Sharpen]", r"steps\[0\] names the unknown filter 'Sharpen'; known are"),
+        ("qgeo_pipeline: 1\nsteps: [Sharpen]", r"steps\[0\]: unknown filter 'Sharpen'; known are"),
         ("qgeo_pipeline: 1\nsteps: [{Paint: {colour: red}}]", r"steps\[0\]: Paint has no parameter 'colour'"),
         ("qgeo_pipeline: 1\nsteps: [{Paint: 3}]", "parameters must be a mapping"),
         ("qgeo_pipeline: 1\nsteps: [3]", r"steps\[0\] must be one FilterName"),
@@ -91,6 +93,48 @@ def test_bad_yaml_gets_one_sentence(text: str, sentence: str) -> None:
     assert "\n" not in str(caught.value)
 
 
+def test_a_pipeline_saved_before_weights_became_mass_still_loads() -> None:
+    text = "qgeo_pipeline: 1\nsteps:\n- QuasiGeodesicSpectrum: {k: 3, weights: uniform}\n"
+    with pytest.warns(DeprecationWarning, match="QuasiGeodesicSpectrum: weights is now called mass"):
+        pipe = qg.Pipeline.from_yaml(text)
+    assert pipe[0].get_params() == qg.QuasiGeodesicSpectrum(k=3, mass="uniform").get_params()
+    assert "mass: uniform" in pipe.to_yaml()
+    with pytest.warns(DeprecationWarning, match="QuasiGeodesicSpectrum: weights is now called mass") as caught:
+        old = qg.QuasiGeodesicSpectrum(k=3, weights="uniform")  # type: ignore[call-arg]
+    assert caught[0].filename == __file__
+    assert repr(old) == repr(pipe[0])
+
+
+def test_yaml_needs_no_host() -> None:
+    """Saved pipelines are read where PyVista, whose accessor lives beside the filters, is not installed."""
+    code = (
+        "import sys; sys.modules['pyvista'] = sys.modules['pymeshlab'] = sys.modules['open3d'] = None\n"
+        "import qgeo_filters as qg; print(qg.Pipeline.from_yaml('{qgeo_pipeline: 1, steps: [Paint]}'))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout.startswith("Pipeline([Paint(attribute='qgeo_scalar'"), done.stderr
+
+
+class _Blur(qg.Filter):
+    """A filter with a parameter that happens to be called steps."""
+
+    outputs = {"blur": "(n,), no unit: nothing"}
+
+    def __init__(self, *, steps: int = 3) -> None:
+        self.steps = steps
+
+    def compute(self, surface: qg.Surface, progress: bool = False) -> dict[str, np.ndarray]:
+        return {"blur": np.full(surface.n_vertices, self.steps)}
+
+
+def test_a_filter_with_a_parameter_called_steps_is_no_pipeline() -> None:
+    blur = _Blur(steps=5)
+    assert check_filter(blur) is None
+    pipeline = blur | qg.CorrectedNormals() | blur
+    assert [type(step).__name__ for step in pipeline.steps] == ["_Blur", "CorrectedNormals", "_Blur"]
+    assert (pipeline(sample_surface()).attributes["blur"] == 5).all()
+
+
 def test_what_text_cannot_hold_is_named() -> None:
     with pytest.raises(ValueError, match=r"SurfaceScalar\.scalar is of type function"):
-        qg.Pipeline([qg.SurfaceScalar(lambda delta: delta[:, 0])]).to_yaml()
+        qg.Pipeline([qg.SurfaceScalar(scalar=lambda delta: delta[:, 0])]).to_yaml()
