@@ -54,11 +54,9 @@ FLOORS: list[list[str]] = [
 
 # (importer, imported): who mends it
 KNOWN_ARROWS_UP = {
-    ("filters.pyvista_accessor", "qgeo_filters"): "filters",
     ("matching.initialization.candidates", "matching.smooth_shells"): "matching",
 }
 KNOWN_CIRCLES = {
-    ("filters.base", "filters.pipeline"): "filters",
     ("spectral.distance_spectrum", "spectral.landmarks"): "matching",
 }
 # file of tests or benchmarks, name: who mends it
