@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IntArray
-from qgeo_filters.errors import MeshError
+from qgeo_filters.errors import MeshError, ParameterError
 
 
 def frozen(array: np.ndarray) -> np.ndarray:
@@ -80,6 +80,26 @@ def checked_attributes(attributes: Mapping[str, npt.ArrayLike], n_vertices: int)
             raise MeshError(f"attribute {name!r} has shape {array.shape}, but there are {n_vertices} vertices")
         checked[str(name)] = frozen(array)
     return MappingProxyType(checked)
+
+
+def checked_count(value: int, low: int, high: int | None, name: str, most: str | None = None) -> int:
+    """The number as an int from low to high, or `ParameterError`; no bool, no float.
+
+    Parameters
+    ----------
+    high : int or None
+        None: no bound.
+    name : str
+        The argument, subject of the error's sentence.
+    most : str, optional
+        What the upper bound is, for that sentence: "the 20 eigenpairs of the spectrum".
+    """
+    whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if whole and low <= value and (high is None or value <= high):
+        return int(value)
+    if high is None:
+        raise ParameterError(f"{name} must be a whole number, at least {low}, got {value!r}")
+    raise ParameterError(f"{name} must be between {low} and {most or high}, got {value!r}")
 
 
 def checked_index(index: int, count: int, name: str) -> int:

@@ -149,13 +149,12 @@ def errors_against_exact(surface: Surface, matrix: np.ndarray) -> list[tuple[int
     import igl
     import numpy as np
 
+    from qgeo_filters.sampling import farthest_by_distances
+
     vertices, faces = np.array(surface.vertices), surface.faces.astype(np.int64)
     nothing, everything = np.empty(0, np.int64), np.arange(surface.n_vertices)
-    sources = [int(matrix[0].argmax())]
-    while len(sources) < _SOURCES:
-        sources.append(int(matrix[sources].min(axis=0).argmax()))
     errors = []
-    for source in sources:
+    for source in farthest_by_distances(matrix, _SOURCES, int(matrix[0].argmax())).tolist():
         exact = igl.exact_geodesic(vertices, faces, np.array([source]), nothing, everything, nothing)
         others = everything != source
         relative = 100.0 * np.abs(matrix[source, others] - exact[others]) / exact[others]

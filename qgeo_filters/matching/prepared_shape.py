@@ -17,6 +17,7 @@ from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
 from qgeo_filters.geodesics.metric import LiftedMetric
+from qgeo_filters.sampling import farthest_by_distances
 from qgeo_filters.spectral.distance_spectrum import Spectrum, check_areas, spectrum_of_matrix
 from qgeo_filters.spectral.laplacian import laplacian_spectrum
 from qgeo_filters.surface import Surface
@@ -279,10 +280,4 @@ def farthest_rows(matrix: npt.NDArray[np.float32], areas: FloatArray, count: int
 
     The first is the vertex of largest mean distance, so that the numbering does not matter.
     """
-    points = np.empty(count, dtype=np.int64)
-    points[0] = int((matrix @ areas.astype(np.float32)).argmax())
-    nearest = matrix[points[0]].copy()
-    for i in range(1, count):
-        points[i] = int(nearest.argmax())
-        np.minimum(nearest, matrix[points[i]], out=nearest)
-    return frozen(points)
+    return frozen(farthest_by_distances(matrix, count, int((matrix @ areas.astype(np.float32)).argmax())))

@@ -6,8 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
-from qgeo_filters.errors import ParameterError
 from qgeo_filters.matching.maps.functional_map import functional_map, nearest, orthogonal
+from qgeo_filters.sampling import farthest_in_embedding
+from qgeo_filters.validation import checked_count
 
 _TURNS = 20
 
@@ -31,10 +32,9 @@ def eigenfunction_regions(
     count : int
         Number of regions, at most n_x.
     """
-    if not 1 <= count <= len(phi_x):
-        raise ParameterError(f"the number of regions must be between 1 and {len(phi_x)}, got {count}")
+    count = checked_count(count, 1, len(phi_x), "the number of regions")
     carried = phi_x @ orthogonal(functional_map(phi_x, phi_y, p2p, areas_x))
-    centres = _farthest(carried, count)
+    centres = carried[farthest_in_embedding(carried, count)]
     for _ in range(_TURNS):
         label = nearest(carried, centres)
         weight = np.bincount(label, areas_x, count)
@@ -44,12 +44,3 @@ def eigenfunction_regions(
             break
         centres = moved
     return nearest(carried, centres).astype(np.int32), nearest(phi_y, centres).astype(np.int32)
-
-
-def _farthest(points: FloatArray, count: int) -> FloatArray:
-    chosen = [int(np.linalg.norm(points - points.mean(axis=0), axis=1).argmax())]
-    gap = np.linalg.norm(points - points[chosen[0]], axis=1)
-    while len(chosen) < count:
-        chosen.append(int(gap.argmax()))
-        np.minimum(gap, np.linalg.norm(points - points[chosen[-1]], axis=1), out=gap)
-    return points[chosen]

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from scipy import sparse
-from scipy.sparse.csgraph import dijkstra
 from scipy.sparse.linalg import LinearOperator
 
 from qgeo_filters._typing import FloatArray, IndexArray
@@ -13,16 +11,17 @@ from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric, cartesian_metric
+from qgeo_filters.sampling import farthest_on_edges
 from qgeo_filters.spectral.biharmonic import biharmonic_interpolation
 from qgeo_filters.spectral.distance_spectrum import Spectrum, Weights, check_areas, check_count, spectrum_of_matrix
 from qgeo_filters.surface import Surface
-from qgeo_filters.validation import checked_index, checked_indices
+from qgeo_filters.validation import checked_indices
 
 
 def farthest_points(
     surface: Surface, count: int, metric: LiftedMetric | None = None, *, start: int | None = None
 ) -> IndexArray:
-    """IndexArray spread evenly over the surface, each the farthest from those before it, shape (count,).
+    """Vertices spread evenly over the surface, each the farthest from those before it, shape (count,).
 
     Distances are those along the edges, which are enough to spread by and cost far less than geodesics.
 
@@ -50,25 +49,11 @@ def farthest_points(
     most twice the best.
     """
     surface.require_connected("farthest point sampling")
-    n = surface.n_vertices
-    if not isinstance(count, (int, np.integer)) or not 1 <= count <= n:
-        raise ParameterError(f"the number of points must be between 1 and the number of vertices, {n}, got {count!r}")
     metric = metric or cartesian_metric(surface)
     if start is None:
         centroid = surface.vertex_areas @ surface.vertices / surface.area
         start = int(np.linalg.norm(surface.vertices - centroid, axis=1).argmax())
-    points = [checked_index(start, n, "start")]
-    a, b = surface.edges.T
-    graph = sparse.csr_matrix((metric.edge_lengths, (a, b)), shape=(n, n))
-    nearest = dijkstra(graph, directed=False, indices=points)[0]
-    while len(points) < count:
-        # Points taken already are at distance zero, as are vertices that coincide with them: never take one twice.
-        nearest[points[-1]] = -1.0
-        points.append(int(nearest.argmax()))
-        # A new point changes nothing beyond the largest distance there is.
-        limit = max(float(nearest[points[-1]]), 0.0)
-        np.minimum(nearest, dijkstra(graph, directed=False, indices=points[-1:], limit=limit)[0], out=nearest)
-    return np.array(points, dtype=np.int64)
+    return farthest_on_edges(surface.edges, metric.edge_lengths, surface.n_vertices, count, start)
 
 
 def landmark_spectrum(
@@ -113,7 +98,7 @@ def landmark_spectrum(
     if metric is None:
         metric = lifted_metric(surface)
     if np.ndim(landmarks) == 0:
-        points = farthest_points(surface, int(landmarks), metric)  # type: ignore[arg-type]
+        points = farthest_points(surface, np.asarray(landmarks).item(), metric)
     else:
         points = checked_indices(landmarks, surface.n_vertices, "landmarks")
     if len(points) <= k:
