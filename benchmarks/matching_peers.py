@@ -128,16 +128,16 @@ def report(results: dict[str, list[PairResult]], prepared: dict[str, float]) -> 
     print("| " + " | ".join(head) + " |\n|---|" + "---:|" * (len(head) - 1))
     for method, found in results.items():
         row = Row.of(method, found)
-        cells = [f"{row.pairs}", f"{row.direct.mean:.4f}", f"{row.direct.median:.4f}"]
-        cells += [f"{100 * share:.1f}" for share in row.direct.below]
-        cells += [f"{row.mirrored}", f"{row.failed}", f"{row.seconds:.1f}", f"{prepared[method]:.1f}"]
+        cells = [f"{row.n_pairs}", f"{row.mean:.4f}", f"{row.points.median:.4f}"]
+        cells += [f"{100 * share:.1f}" for share in row.points.below]
+        cells += [f"{row.n_mirrored}", f"{row.n_failed}", f"{row.seconds:.1f}", f"{prepared[method]:.1f}"]
         print(f"| {method} | " + " | ".join(cells) + " |")
     categories = list(dict.fromkeys(result.category for result in results[OURS]))
     print("\n| mean error, worst pair | " + " | ".join(categories) + " |")
     print("|---|" + "---:|" * len(categories))
     for method, found in results.items():
         rows = [Row.of(category, [r for r in found if r.category == category]) for category in categories]
-        print(f"| {method} | " + " | ".join(f"{row.direct.mean:.4f}, {row.worst:.4f}" for row in rows) + " |")
+        print(f"| {method} | " + " | ".join(f"{row.mean:.4f}, {row.worst:.4f}" for row in rows) + " |")
 
 
 if __name__ == "__main__":

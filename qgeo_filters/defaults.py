@@ -8,3 +8,7 @@ from typing import Final
 #: brings poses nearer (C_XY) than the Cartesian metric does, and .03 and above take them further apart
 #: (`benchmarks/paper_metric.py`).
 CURVATURE_WEIGHT: Final = 0.01
+#: Eigenpairs of the distances: the paper's k.
+EIGENPAIRS: Final = 20
+#: Eigenfunctions in the measure of self-symmetry, eq. (3): the paper takes at most 20.
+SYMMETRY_K0: Final = 20

@@ -90,9 +90,9 @@ def evaluate(
     results = {
         "pairs": len(found),
         "not_measured": len(failures),
-        "mean_error": rows[-1].direct.mean,
-        "failed": rows[-1].failed,
-        "mirrored": rows[-1].mirrored if what == "match" else None,
+        "mean_error": rows[-1].mean,
+        "failed": rows[-1].n_failed,
+        "mirrored": rows[-1].n_mirrored if what == "match" else None,
         "rows": [
             {
                 "name": one.name,
@@ -129,12 +129,12 @@ def _tables(rows: list[Row], found: list[PairResult], failures: list[PairFailure
     lines = [
         (
             row.label,
-            row.pairs,
-            f"{row.direct.mean:.4f}",
-            f"{row.direct.median:.4f}",
-            *(f"{share:.1%}" for share in row.direct.below),
-            row.mirrored if what == "match" else None,
-            row.failed,
+            row.n_pairs,
+            f"{row.mean:.4f}",
+            f"{row.points.median:.4f}",
+            *(f"{share:.1%}" for share in row.points.below),
+            row.n_mirrored if what == "match" else None,
+            row.n_failed,
             f"{row.seconds:.1f}",
         )
         for row in rows

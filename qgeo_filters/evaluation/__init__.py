@@ -3,6 +3,7 @@
 from qgeo_filters.evaluation.datasets import (
     Dataset,
     IndexedDataset,
+    NoTruthError,
     PointMap,
     Shrec19,
     ToscaLowres,
@@ -10,7 +11,7 @@ from qgeo_filters.evaluation.datasets import (
     VtsDataset,
     read_vts,
 )
-from qgeo_filters.evaluation.download import fetch
+from qgeo_filters.evaluation.download import SOURCES, Source, fetch
 from qgeo_filters.evaluation.errors import (
     ErrorSummary,
     SymmetricErrors,
@@ -19,24 +20,32 @@ from qgeo_filters.evaluation.errors import (
     mirrored,
     symmetric_errors,
 )
+from qgeo_filters.evaluation.runner import PairFailure, PairStore, by_target, measured
 from qgeo_filters.evaluation.tables import PairResult, Row, markdown, rows_by_category
 
 __all__ = [
+    "SOURCES",
     "Dataset",
     "ErrorSummary",
     "IndexedDataset",
+    "NoTruthError",
+    "PairFailure",
     "PairResult",
+    "PairStore",
     "PointMap",
     "Row",
     "Shrec19",
+    "Source",
     "SymmetricErrors",
     "ToscaLowres",
     "ToscaRemeshed",
     "VtsDataset",
+    "by_target",
     "error_curve",
     "fetch",
     "geodesic_error",
     "markdown",
+    "measured",
     "mirrored",
     "read_vts",
     "rows_by_category",

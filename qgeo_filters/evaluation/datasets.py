@@ -14,8 +14,12 @@ from pathlib import Path
 import numpy as np
 
 from qgeo_filters._typing import IndexArray
-from qgeo_filters.errors import MeshError
+from qgeo_filters.errors import MeshError, QgeoError
 from qgeo_filters.surface import Surface
+
+
+class NoTruthError(QgeoError, LookupError):
+    """A true map that the data set does not have: the message says which, and what file is missing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,17 +85,17 @@ class Dataset(ABC):
 
         Raises
         ------
-        LookupError
+        NoTruthError
             No truth is known for this pair.
         """
 
     def symmetry(self, name: str) -> PointMap:
-        """True left/right map of a shape; LookupError where none is known."""
-        raise LookupError(f"{type(self).__name__} knows no left/right map of {name}")
+        """True left/right map of a shape; NoTruthError where none is known."""
+        raise NoTruthError(f"{type(self).__name__} knows no left/right map of {name}")
 
     def _require_one_category(self, x: str, y: str) -> None:
         if self.category(x) != self.category(y):
-            raise LookupError(f"{x} and {y} are of different categories: no true map between them is known")
+            raise NoTruthError(f"{x} and {y} are of different categories: no true map between them is known")
 
 
 class ToscaRemeshed(Dataset):
@@ -124,7 +128,7 @@ class ToscaRemeshed(Dataset):
     def _table(self, name: str, key: str) -> IndexArray:
         file = self.root / "ground_truth" / f"{name}.npz"
         if not file.is_file():
-            raise LookupError(f"no ground truth for {name}: {file} is missing")
+            raise NoTruthError(f"no ground truth for {name}: {file} is missing")
         with np.load(file) as tables:
             return tables[key].astype(np.int64)
 
@@ -147,7 +151,7 @@ class IndexedDataset(Dataset):
         self._require_one_category(x, y)
         sizes = self.read(x).n_vertices, self.read(y).n_vertices
         if sizes[0] != sizes[1]:
-            raise LookupError(
+            raise NoTruthError(
                 f"{x} and {y} have {sizes[0]} and {sizes[1]} vertices: they were triangulated independently, and "
                 "equal indices mean nothing"
             )
@@ -169,8 +173,8 @@ class ToscaLowres(IndexedDataset):
     SUFFIXES: tuple[str, ...] = (".vert",)
 
     def truth(self, x: str, y: str) -> PointMap:
-        """Raise LookupError: the meshes were decimated independently."""
-        raise LookupError(f"no true map from {x} to {y} is known: the poses were decimated independently")
+        """Raise NoTruthError: the meshes were decimated independently."""
+        raise NoTruthError(f"no true map from {x} to {y} is known: the poses were decimated independently")
 
 
 class VtsDataset(Dataset):
@@ -235,7 +239,7 @@ class Shrec19(Dataset):
     def truth(self, x: str, y: str) -> PointMap:
         """True map of a pair of the benchmark."""
         if (x, y) not in self._maps:
-            raise LookupError(f"the benchmark has no pair ({x}, {y})")
+            raise NoTruthError(f"the benchmark has no pair ({x}, {y})")
         images = _indices(self._maps[x, y])
         return PointMap(np.arange(len(images)), images)
 
@@ -253,7 +257,7 @@ def read_vts(path: str | PathLike[str]) -> IndexArray:
 def _indices(file: Path) -> IndexArray:
     """Numbers from 1 in a text file, as indices from 0."""
     if not file.is_file():
-        raise LookupError(f"{file} is missing")
+        raise NoTruthError(f"{file} is missing")
     try:
         values = np.loadtxt(file, dtype=np.float64, ndmin=1)
     except ValueError as error:

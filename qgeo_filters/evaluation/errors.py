@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices, frozen
@@ -102,7 +103,7 @@ def geodesic_error(
 
     Raises
     ------
-    ValueError
+    ParameterError
         Lengths that differ, vertices out of range, unknown normalization.
 
     References
@@ -111,16 +112,16 @@ def geodesic_error(
     """
     image, target = checked_indices(p2p, y.n_vertices, "p2p"), checked_indices(truth, y.n_vertices, "truth")
     if image.shape != target.shape:
-        raise ValueError(f"p2p and truth must be of one length, got {len(image)} and {len(target)}")
+        raise ParameterError(f"p2p and truth must be of one length, got {len(image)} and {len(target)}")
     if normalization not in ("sqrt_area", "diameter", "none"):
-        raise ValueError(f"normalization must be 'sqrt_area', 'diameter' or 'none', got {normalization!r}")
+        raise ParameterError(f"normalization must be 'sqrt_area', 'diameter' or 'none', got {normalization!r}")
     if matrix is None and normalization == "diameter":
         matrix = distance_matrix(y)
     if matrix is None:
         errors = _between(y, image, target)
     else:
         if np.shape(matrix) != (y.n_vertices, y.n_vertices):
-            raise ValueError(f"the matrix has shape {np.shape(matrix)}, expected {(y.n_vertices, y.n_vertices)}")
+            raise ParameterError(f"the matrix has shape {np.shape(matrix)}, expected {(y.n_vertices, y.n_vertices)}")
         errors = np.asarray(matrix[image, target], dtype=np.float64)
     if normalization == "sqrt_area":
         return errors / np.sqrt(y.area)
@@ -143,7 +144,7 @@ def symmetric_errors(
     """
     mirror = checked_indices(symmetry, y.n_vertices, "symmetry")
     if len(mirror) != y.n_vertices:
-        raise ValueError(f"symmetry must hold a vertex for each of the {y.n_vertices} of Y, got {len(mirror)}")
+        raise ParameterError(f"symmetry must hold a vertex for each of the {y.n_vertices} of Y, got {len(mirror)}")
     target = checked_indices(truth, y.n_vertices, "truth")
     direct = geodesic_error(p2p, target, y, matrix=matrix)
     return SymmetricErrors(frozen(direct), frozen(geodesic_error(p2p, mirror[target], y, matrix=matrix)))
@@ -177,8 +178,8 @@ def _between(y: Surface, image: npt.NDArray[np.int64], target: npt.NDArray[np.in
 def _checked_errors(errors: npt.ArrayLike) -> FloatArray:
     values = np.asarray(errors, dtype=np.float64)
     if values.ndim != 1 or not values.size:
-        raise ValueError(f"errors must be a non-empty array in one dimension, got the shape {values.shape}")
+        raise ParameterError(f"errors must be a non-empty array in one dimension, got the shape {values.shape}")
     bad = np.flatnonzero(np.isnan(values) | (values < 0))
     if bad.size:
-        raise ValueError(f"errors[{bad[0]}] is {values[bad[0]]}, not a distance ({bad.size} such)")
+        raise ParameterError(f"errors[{bad[0]}] is {values[bad[0]]}, not a distance ({bad.size} such)")
     return values

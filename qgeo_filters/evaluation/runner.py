@@ -17,19 +17,21 @@ import numpy.typing as npt
 
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.caching import content_key
-from qgeo_filters.evaluation.datasets import Dataset, PointMap
+from qgeo_filters.errors import QgeoError
+from qgeo_filters.evaluation.datasets import Dataset, NoTruthError, PointMap
 from qgeo_filters.evaluation.errors import SymmetricErrors, geodesic_error, symmetric_errors
 from qgeo_filters.evaluation.tables import PairResult
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.symmetry import self_symmetry
+from qgeo_filters.parallel import default_workers, worker_count
 from qgeo_filters.surface import Surface
 
 What = Literal["match", "symmetry"]
 
-# Code on which a map depends.
-_ROOMS = ("io", "hosts", "differential", "geodesics", "spectral", "deformation", "matching")  # and the loose files
+# Code on which a map depends: these rooms, and the loose files.
+_ROOMS = ("io", "repair", "hosts", "differential", "geodesics", "spectral", "deformation", "matching")
 
 
 @dataclass(frozen=True)
@@ -50,9 +52,9 @@ class PairFailure:
 
     @property
     def reason(self) -> str:
-        """The error in a line."""
+        """The error in a line; with its type, where it is no fault of the data."""
         message = " ".join(str(self.error).split())
-        return message if isinstance(self.error, (ValueError, LookupError, OSError)) else repr(self.error)
+        return message if isinstance(self.error, (QgeoError, OSError)) else repr(self.error)
 
 
 class PairStore:
@@ -101,7 +103,12 @@ class PairStore:
 
 
 def measured(
-    data: Dataset, pairs: Iterable[tuple[str, str]], what: What = "match", store: PairStore | None = None
+    data: Dataset,
+    pairs: Iterable[tuple[str, str]],
+    what: What = "match",
+    store: PairStore | None = None,
+    *,
+    workers: int | None = None,
 ) -> Iterator[PairResult | PairFailure]:
     """Errors of the map of each pair, one after the other; a pair that cannot be measured does not stop the rest.
 
@@ -117,12 +124,15 @@ def measured(
         found).
     store : PairStore, optional
         Takes finished pairs, and gives those that it has.
+    workers : int, optional
+        Number of threads, at least 1; by default all cores that this process may use. Errors do not depend on it.
 
     Yields
     ------
     PairResult or PairFailure
         Seconds are CPU time without what belongs to one shape alone.
     """
+    count = worker_count(workers)
     pairs = list(pairs)
     awaited = Counter(name for pair in pairs for name in pair)
     shapes: dict[str, PreparedShape] = {}
@@ -138,7 +148,8 @@ def measured(
             mirror = _mirror(data, y) if what == "match" else None
             key = _key(what, shapes[x], shapes[y], truth, mirror)
             kept = store.load(name, data.category(x), key) if store else None
-            outcome = kept or _measured(name, data.category(x), shapes[x], shapes[y], truth, mirror, what, ruler)
+            with default_workers(count):  # not around the yield: the caller's own work is not bounded
+                outcome = kept or _measured(name, data.category(x), shapes[x], shapes[y], truth, mirror, what, ruler)
             if store and not kept:
                 store.save(outcome, key)
         except Exception as error:  # of any kind: a night's work must not end with one bad mesh
@@ -206,7 +217,7 @@ def _measured(
 def _mirror(data: Dataset, name: str) -> PointMap | None:
     try:
         return data.symmetry(name)
-    except LookupError:
+    except NoTruthError:
         return None
 
 

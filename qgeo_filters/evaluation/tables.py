@@ -50,28 +50,28 @@ class Row:
     Attributes
     ----------
     label : str
-    pairs : int
-    direct : ErrorSummary
-        Mean of the pairs' means, median of all points' errors, and shares of all points.
+    n_pairs, n_mirrored, n_failed, n_confident : int
+        Numbers of pairs: all of them, and those of which `SymmetricErrors.mirrored` and so on hold.
+    mean, worst : float
+        Mean and largest of the pairs' mean direct errors.
     best_per_pair, vertex_minimum : float
         Mean of the pairs' means under the two lenient protocols.
-    mirrored, failed, confident : int
-        Numbers of pairs.
-    worst : float
-        Largest mean of a pair.
+    points : ErrorSummary
+        Direct errors of all points of all pairs.
     seconds : float
         Mean CPU time of a pair.
     """
 
     label: str
-    pairs: int
-    direct: ErrorSummary
+    n_pairs: int
+    n_mirrored: int
+    n_failed: int
+    n_confident: int
+    mean: float
+    worst: float
     best_per_pair: float
     vertex_minimum: float
-    mirrored: int
-    failed: int
-    confident: int
-    worst: float
+    points: ErrorSummary
     seconds: float
 
     @classmethod
@@ -80,18 +80,18 @@ class Row:
         if not results:
             raise ParameterError(f"no results for the row {label!r}")
         means = np.array([result.errors.direct.mean() for result in results])
-        points = ErrorSummary.of(np.concatenate([result.errors.direct for result in results]))
         return cls(
             label,
-            len(results),
-            ErrorSummary(float(means.mean()), points.median, points.maximum, points.below),
-            float(np.mean([result.errors.best_per_pair.mean() for result in results])),
-            float(np.mean([result.errors.vertex_minimum.mean() for result in results])),
-            sum(result.errors.mirrored for result in results),
-            sum(result.failed for result in results),
-            sum(result.confident for result in results),
-            float(means.max()),
-            float(np.mean([result.seconds for result in results])),
+            n_pairs=len(results),
+            n_mirrored=sum(result.errors.mirrored for result in results),
+            n_failed=sum(result.failed for result in results),
+            n_confident=sum(result.confident for result in results),
+            mean=float(means.mean()),
+            worst=float(means.max()),
+            best_per_pair=float(np.mean([result.errors.best_per_pair.mean() for result in results])),
+            vertex_minimum=float(np.mean([result.errors.vertex_minimum.mean() for result in results])),
+            points=ErrorSummary.of(np.concatenate([result.errors.direct for result in results])),
+            seconds=float(np.mean([result.seconds for result in results])),
         )
 
 
@@ -120,9 +120,9 @@ def markdown(rows: Sequence[Row]) -> str:
     head += ["best per pair", "per-vertex minimum", "CPU s"]
     lines = [_line(head), _line(["---"] + ["---:"] * (len(head) - 1))]
     for row in rows:
-        cells = [row.label, str(row.pairs), f"{row.direct.mean:.4f}", f"{row.direct.median:.4f}"]
-        cells += [f"{100 * share:.1f}" for share in row.direct.below]
-        cells += [f"{row.worst:.4f}", str(row.mirrored), str(row.failed), str(row.confident)]
+        cells = [row.label, str(row.n_pairs), f"{row.mean:.4f}", f"{row.points.median:.4f}"]
+        cells += [f"{100 * share:.1f}" for share in row.points.below]
+        cells += [f"{row.worst:.4f}", str(row.n_mirrored), str(row.n_failed), str(row.n_confident)]
         cells += [f"{row.best_per_pair:.4f}", f"{row.vertex_minimum:.4f}", f"{row.seconds:.1f}"]
         lines.append(_line(cells))
     return "\n".join(lines)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from qgeo_filters.defaults import CURVATURE_WEIGHT
+from qgeo_filters.defaults import CURVATURE_WEIGHT, SYMMETRY_K0
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.filters import stages
@@ -65,7 +65,7 @@ class SelfSymmetry(MetricFilter):
     def __init__(
         self,
         *,
-        k0: int = 20,
+        k0: int = SYMMETRY_K0,
         n_regions: int = 8,
         reading: Reading = "absolute",
         scalar: Scalar = "mean_curvature",

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-from qgeo_filters.defaults import CURVATURE_WEIGHT
+from qgeo_filters.defaults import CURVATURE_WEIGHT, EIGENPAIRS
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.errors import MeshError, ParameterError, require_package
 from qgeo_filters.filters.base import Filter
@@ -64,7 +64,7 @@ def compute_scalar_by_quasi_geodesic_spectrum_per_vertex(
     meshset: Any,
     *,
     component: int = 0,
-    k: int = 20,
+    k: int = EIGENPAIRS,
     curvatureweight: float = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
     workers: int | None = None,

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from qgeo_filters.caching import cache, content_key
-from qgeo_filters.defaults import CURVATURE_WEIGHT
+from qgeo_filters.defaults import CURVATURE_WEIGHT, EIGENPAIRS
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
@@ -45,7 +45,7 @@ class QuasiGeodesicSpectrum(MetricFilter):
     def __init__(
         self,
         *,
-        k: int = 20,
+        k: int = EIGENPAIRS,
         scalar: Scalar = "mean_curvature",
         curvature_weight: float = CURVATURE_WEIGHT,
         mass: Literal["area", "uniform"] = "area",
@@ -84,7 +84,7 @@ class LaplacianSpectrum(Filter):
     spectrum_: Spectrum
     """Eigenvalues and eigenfunctions of the last call."""
 
-    def __init__(self, *, k: int = 20) -> None:
+    def __init__(self, *, k: int = EIGENPAIRS) -> None:
         self.k = k
 
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:

@@ -11,6 +11,7 @@ from shapes import icosphere
 from qgeo_filters.errors import MeshError
 from qgeo_filters.evaluation import (
     IndexedDataset,
+    NoTruthError,
     Shrec19,
     ToscaLowres,
     ToscaRemeshed,
@@ -56,9 +57,9 @@ def test_remeshed_layout_goes_through_the_full_mesh(tmp_path: Path) -> None:
     np.testing.assert_array_equal(truth.points, np.arange(12))
     np.testing.assert_array_equal(truth.images, nearest["cat1"][full["cat0"]])
     np.testing.assert_array_equal(data.symmetry("cat1").images, nearest["cat1"][19 - full["cat1"]])
-    with pytest.raises(LookupError, match="different categories"):
+    with pytest.raises(NoTruthError, match="different categories"):
         data.truth("cat0", "dog0")
-    with pytest.raises(LookupError, match=r"dog\.sym is missing"):
+    with pytest.raises(NoTruthError, match=r"dog\.sym is missing"):
         data.symmetry("dog0")
 
 
@@ -67,9 +68,9 @@ def test_indexed_layout_is_the_identity_for_equal_sizes(tmp_path: Path) -> None:
     Surface(*icosphere(1)).write(tmp_path / "tr_reg_002.ply")
     data = IndexedDataset(tmp_path)
     np.testing.assert_array_equal(data.truth("tr_reg_000", "tr_reg_001").images, np.arange(12))
-    with pytest.raises(LookupError, match="12 and 42 vertices"):
+    with pytest.raises(NoTruthError, match="12 and 42 vertices"):
         data.truth("tr_reg_000", "tr_reg_002")
-    with pytest.raises(LookupError, match="no left/right map"):
+    with pytest.raises(NoTruthError, match="no left/right map"):
         data.symmetry("tr_reg_000")
 
 
@@ -77,7 +78,7 @@ def test_paper_meshes_have_no_truth(tmp_path: Path) -> None:
     write(tmp_path, "cat0.vert", "cat1.vert", "cat2.off")
     data = ToscaLowres(tmp_path)
     assert data.names("cat") == ["cat0", "cat1"]
-    with pytest.raises(LookupError, match="decimated independently"):
+    with pytest.raises(NoTruthError, match="decimated independently"):
         data.truth("cat0", "cat1")
 
 
@@ -89,7 +90,7 @@ def test_vts_layout_meets_at_the_template(tmp_path: Path) -> None:
     truth = data.truth("tr_reg_000", "tr_reg_001")
     np.testing.assert_array_equal(truth.points, [0, 2, 11])
     np.testing.assert_array_equal(truth.images, [5, 4, 7])
-    with pytest.raises(LookupError, match="no left/right map"):
+    with pytest.raises(NoTruthError, match="no left/right map"):
         data.symmetry("tr_reg_000")
     lines(tmp_path / "corres" / "template.sym", [4, 3, 2, 1])
     mirror = data.symmetry("tr_reg_001")
@@ -105,7 +106,7 @@ def test_shrec_layout_lists_its_own_pairs(tmp_path: Path) -> None:
     assert data.names() == ["1", "2", "10"]
     assert list(data.pairs()) == [("2", "10")]
     np.testing.assert_array_equal(data.truth("2", "10").images, np.arange(12)[::-1])
-    with pytest.raises(LookupError, match="no pair"):
+    with pytest.raises(NoTruthError, match="no pair"):
         data.truth("1", "2")
 
 

@@ -98,8 +98,8 @@ def test_rows_pool_pairs(square: Surface, flip: np.ndarray) -> None:
     rows = rows_by_category([good, bad], {"tuned": ["a"], "absent": ["c"]})
     assert [row.label for row in rows] == ["a", "b", "tuned", "all"]
     total = rows[-1]
-    assert (total.pairs, total.mirrored, total.failed, total.confident, total.seconds) == (2, 1, 1, 1, 2)
-    assert total.direct.mean == pytest.approx(bad.errors.direct.mean() / 2)
+    assert (total.n_pairs, total.n_mirrored, total.n_failed, total.n_confident, total.seconds) == (2, 1, 1, 1, 2)
+    assert total.mean == pytest.approx(bad.errors.direct.mean() / 2)
     assert total.worst == pytest.approx(bad.errors.direct.mean())
     assert total.best_per_pair == 0
     table = markdown(rows).splitlines()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import groupby
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,9 +13,13 @@ from hypothesis import strategies as st
 from shapes import icosphere
 from test_house import ARROWS, MODULES
 
-from qgeo_filters.evaluation import runner
+from qgeo_filters.errors import MeshError, ParameterError
+from qgeo_filters.evaluation import Dataset, PairFailure, PairResult, PointMap, measured, runner
 from qgeo_filters.geodesics.matrix import distance_matrix
+from qgeo_filters.matching.prepared_shape import PreparedShape
+from qgeo_filters.parallel import available_cores, worker_count
 from qgeo_filters.surface import Surface
+from qgeo_filters.testing import sample_surface
 
 names = st.sampled_from("abcde")
 
@@ -58,3 +63,61 @@ def test_kept_results_know_all_code_that_they_depend_on() -> None:
     assert needed <= known
     assert len(needed) > 40
     assert not {name for name in known & set(MODULES) if name.startswith(("report", "cli"))}
+
+
+class TwoSpheres(Dataset):
+    """A data set in memory, whose symmetry fails in a chosen way."""
+
+    def __init__(self, failure: Exception | None = None) -> None:
+        super().__init__(".", [Path("ball0.off"), Path("ball1.off")])
+        self.failure = failure
+
+    def read(self, name: str) -> Surface:
+        return sample_surface()
+
+    def truth(self, x: str, y: str) -> PointMap:
+        return PointMap(np.arange(162), np.arange(162))
+
+    def symmetry(self, name: str) -> PointMap:
+        return super().symmetry(name) if self.failure is None else self.raises()
+
+    def raises(self) -> PointMap:
+        assert self.failure is not None
+        raise self.failure
+
+
+@pytest.fixture
+def no_match(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Identity in place of the search; the threads that it would have had are noted."""
+    threads: list[int] = []
+
+    def identity(x: PreparedShape, y: PreparedShape) -> SimpleNamespace:
+        threads.append(worker_count())
+        return SimpleNamespace(p2p=np.arange(162), confident=True)
+
+    monkeypatch.setattr(runner, "match", identity)
+    monkeypatch.setattr(PreparedShape, "prepared", lambda shape: shape)
+    return threads
+
+
+def test_a_bug_in_a_symmetry_is_not_taken_for_a_symmetry_that_is_not_known(no_match: list[int]) -> None:
+    (known,) = measured(TwoSpheres(), [("ball0", "ball1")])
+    assert isinstance(known, PairResult)
+    assert known.errors.direct.max() == 0
+    (failed,) = measured(TwoSpheres(KeyError("typo")), [("ball0", "ball1")])
+    assert isinstance(failed, PairFailure)
+    assert failed.reason == "KeyError('typo')"
+    (bad,) = measured(TwoSpheres(MeshError("vertex 3 is not finite")), [("ball0", "ball1")])
+    assert isinstance(bad, PairFailure)
+    assert bad.reason == "vertex 3 is not finite"
+
+
+def test_workers_hold_for_the_pairs_and_not_for_the_caller(no_match: list[int]) -> None:
+    outcomes = measured(TwoSpheres(), [("ball0", "ball1"), ("ball1", "ball0")], workers=3)
+    next(outcomes)
+    assert no_match == [3]
+    assert worker_count() == worker_count(None) == available_cores()
+    next(outcomes)
+    assert no_match == [3, 3]
+    with pytest.raises(ParameterError, match="workers"):
+        next(measured(TwoSpheres(), [], workers=0))
