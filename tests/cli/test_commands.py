@@ -218,7 +218,7 @@ def test_run_on_several_meshes_gives_each_a_folder(qgeo: Qgeo, loaded: Loaded) -
 
 
 def test_run_repairs(qgeo: Qgeo, loaded: Loaded) -> None:
-    PIPELINE[0].set_params(steps=[qg.QuasiGeodesicDistances(sources=0)]).save("pipe.yaml")
+    qg.Pipeline([qg.QuasiGeodesicDistances()]).save("pipe.yaml")
     assert qgeo("run", "pipe.yaml", "fan.off").exit_code == 2
     assert qgeo("run", "pipe.yaml", "fan.off", "--repair").exit_code == 0
     content, _ = loaded(Path("qgeo-out"))
