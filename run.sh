@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Sets up what is missing (system libraries, a virtual environment in .venv) and runs one of:
 #   demo [OPTIONS]   the main job on a real mesh: qgeo demo
-#   test [OPTIONS]   lint, types and all tests; options go to pytest
+#   test [OPTIONS]   lint, types and tests; options go to pytest. Without any: all tests, and how much of the code they ran
 #   setup EXTRA      only the environment, with this extra of pyproject.toml (all, test)
-# PYTHON chooses the interpreter (3.11 to 3.13), VENV the folder of the environment.
+# PYTHON chooses the interpreter (3.11 to 3.13), VENV the folder of the environment, QGEO_TEST_SEED the order of the tests
+# (pytest prints it; `-p no:randomly` runs them as they are written).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 venv=${VENV:-.venv}
@@ -51,11 +52,13 @@ setup() {
     local extra=$1 python stamp
     python=$(find_python)
     system_libraries "$python" "$extra"
-    [ -x "$venv/bin/python" ] || "$python" -m venv "$venv"
-    stamp="$venv/.qgeo-$extra-$(sha256sum pyproject.toml | cut -c1-16)"
+    [ -d "$venv" ] || "$python" -m venv "$venv"
+    bin="$venv/bin"
+    [ -d "$bin" ] || bin="$venv/Scripts" # Windows
+    stamp="$venv/.qgeo-$extra-$("$python" -c 'import zlib; print(zlib.crc32(open("pyproject.toml", "rb").read()))')"
     if [ ! -e "$stamp" ]; then
         echo "run.sh: installing qgeo-filters[$extra] into $venv"
-        "$venv/bin/python" -m pip install -q --disable-pip-version-check -e ".[$extra]"
+        "$bin/python" -m pip install -q --disable-pip-version-check -e ".[$extra]"
         touch "$stamp"
     fi
 }
@@ -65,21 +68,27 @@ case ${1:-} in
 demo)
     shift
     setup all
-    exec "$venv/bin/qgeo" demo "$@"
+    exec "$bin/qgeo" demo "$@"
     ;;
 test)
     shift
     setup test
-    "$venv/bin/ruff" check .
-    "$venv/bin/ruff" format --check .
-    "$venv/bin/mypy"
-    exec "$venv/bin/python" -m pytest -n 2 "$@"
+    "$bin/ruff" check .
+    "$bin/ruff" format --check .
+    "$bin/mypy"
+    order="--randomly-seed=${QGEO_TEST_SEED:-2018}"
+    [[ " $* " != *no:randomly* ]] || order=
+    if [ $# -gt 0 ]; then
+        exec "$bin/python" -m pytest -n 2 $order "$@"
+    fi
+    "$bin/python" -m pytest -n 2 $order --cov --cov-report=
+    exec "$bin/python" .ci/coverage_report.py
     ;;
 setup)
     setup "${2:-all}"
     ;;
 *)
-    sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
+    sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
     exit 2
     ;;
 esac
