@@ -38,7 +38,7 @@ class Host(Protocol):
 
 
 _REQUIRED = ("read", "write", "with_positions")
-_REGISTER: dict[str, Host | str] = {}
+REGISTER: dict[str, Host | str] = {}
 
 
 def register_host(module_root: str, host: Host | str) -> None:
@@ -60,20 +60,20 @@ def register_host(module_root: str, host: Host | str) -> None:
     """
     if not isinstance(module_root, str) or not module_root.isidentifier():
         raise ParameterError(f"module_root must be the first part of a module's name, got {module_root!r}")
-    _REGISTER[module_root] = host if isinstance(host, str) else _complete(module_root, host)
+    REGISTER[module_root] = host if isinstance(host, str) else _complete(module_root, host)
 
 
 def registered_hosts() -> tuple[str, ...]:
     """Roots of the modules of all known libraries, in the order in which they were registered."""
-    return tuple(_REGISTER)
+    return tuple(REGISTER)
 
 
 def load_host(module_root: str) -> Host:
     """Host of a known library, its module imported now if it was not."""
-    host = _REGISTER[module_root]
+    host = REGISTER[module_root]
     if isinstance(host, str):
         host = _complete(module_root, importlib.import_module(host))
-        _REGISTER[module_root] = host
+        REGISTER[module_root] = host
     return host
 
 
@@ -81,7 +81,7 @@ def host_of(obj: object) -> Host | None:
     """Host of the library that an object's class, or one of its base classes, comes from; None for all others."""
     for cls in type(obj).__mro__:
         root = cls.__module__.partition(".")[0]
-        if root in _REGISTER:
+        if root in REGISTER:
             return load_host(root)
     return None
 

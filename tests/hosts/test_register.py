@@ -52,7 +52,7 @@ def make(surface):
 @pytest.fixture
 def register(monkeypatch):
     """The register as it is, and back to it afterwards."""
-    monkeypatch.setattr(protocol, "_REGISTER", dict(protocol._REGISTER))
+    monkeypatch.setattr(protocol, "REGISTER", dict(protocol.REGISTER))
     return qg.register_host
 
 
