@@ -23,7 +23,16 @@ REGISTRY: dict[str, type[Filter]] = {}
 
 
 def registered(cls: F) -> F:
-    """Class decorator: saved pipelines and ``mesh.qgeo`` of PyVista know this filter by its class name."""
+    """Class decorator: saved pipelines and ``mesh.qgeo`` of PyVista know this filter by its class name.
+
+    Raises
+    ------
+    ParameterError
+        If there is another filter of this name. The same class again, as when a cell is run twice, replaces itself.
+    """
+    other = REGISTRY.get(cls.__name__, cls)
+    if (other.__module__, other.__qualname__) != (cls.__module__, cls.__qualname__):
+        raise ParameterError(f"there is a filter {cls.__name__} already, in {other.__module__}: take another name")
     REGISTRY[cls.__name__] = cls
     return cls
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import qgeo_filters as qg
-from qgeo_filters.filters import stages
+from qgeo_filters.filters import registry, stages
 from qgeo_filters.testing import check_filter, sample_surface
 
 
@@ -113,6 +113,21 @@ def test_yaml_needs_no_host() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.stdout.startswith("Pipeline([Paint(attribute='qgeo_scalar'"), done.stderr
+
+
+def test_a_filter_of_ones_own_is_known_to_saved_pipelines(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(registry, "REGISTRY", dict(registry.REGISTRY))
+    for _ in range(2):  # a cell that is run twice
+
+        @qg.registered
+        class Sharpen(qg.Filter):
+            """A filter from a notebook."""
+
+    assert type(qg.Pipeline.from_yaml((Sharpen() | qg.Paint()).to_yaml())[0]) is Sharpen
+    assert registry.registered_filters()["Sharpen"] is Sharpen
+    with pytest.raises(qg.ParameterError, match=r"a filter Paint already, in qgeo_filters\.filters\.appearance"):
+        qg.registered(type("Paint", (qg.Filter,), {}))
+    assert registry.registered_filters()["Paint"] is qg.Paint
 
 
 class _Blur(qg.Filter):
