@@ -22,6 +22,7 @@ VARIANTS = [
     qg.DifferentialCoordinates(weights="cotangent"),
     qg.SurfaceScalar(scalar="gaussian_curvature", smoothing=0.05),
     qg.QuasiGeodesicDistances(sources=[3, 7], curvature_weight=0.0, method="exact"),
+    qg.QuasiGeodesicPath(start=3, end=60, method="edges"),
     qg.QuasiGeodesicSpectrum(k=6, mass="uniform"),
     qg.TransferAttributes(source=(sample_surface().vertices, sample_surface().faces), names=[]),
 ]
@@ -246,6 +247,20 @@ def test_the_path_is_as_long_as_the_distance_and_lies_in_the_marked_triangles() 
     assert filter.path_.length == pytest.approx(exact[120], rel=1e-9)
     assert marks[[5, 120]].tolist() == [1, 1]
     assert 0 < marks.sum() < surface.n_vertices
+
+
+def test_the_first_path_can_be_sought_along_edges() -> None:
+    surface = sample_surface()
+    metric = qg.lifted_metric(surface)
+    for method in ("exact", "edges"):
+        filter = qg.QuasiGeodesicPath(start=5, end=120, method=method)
+        filter(surface)
+        expected = qg.quasi_geodesic(surface, 5, 120, metric, initial=method)
+        assert np.array_equal(filter.path_.points, expected.points)
+        assert np.array_equal(filter.path_.initial_points, expected.initial_points)
+    assert set(map(tuple, filter.path_.initial_points)) <= set(map(tuple, surface.vertices))
+    with pytest.raises(qg.ParameterError, match="method must be one of 'exact', 'edges', got 'graph'"):
+        qg.QuasiGeodesicPath(method="graph")(surface)  # type: ignore[arg-type]
 
 
 def test_regions_of_eq_3_agree_with_the_mirror_image() -> None:
