@@ -15,9 +15,8 @@ from paper_study import FUNCTIONS, GUIDED, SCALAR, Arrays, Claim, Part, Study
 from scipy.spatial import cKDTree
 
 from qgeo_filters.atomic import atomic_path
-from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
-from qgeo_filters.geodesics.metric import LiftedMetric
+from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.matching.compatibility import compatibility_of_spectra
 from qgeo_filters.matching.maps.functional_map import nearest
 from qgeo_filters.matching.regions import eigenfunction_regions

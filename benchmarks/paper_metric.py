@@ -23,8 +23,8 @@ from typing import Any
 import numpy as np
 
 from qgeo_filters.evaluation import ToscaRemeshed
-from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
+from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.matching.initialization.sign_search import search
 from qgeo_filters.matching.prepared_shape import MetricView, farthest_rows
 from qgeo_filters.spectral.commutative import commutative_eigenspectra

@@ -21,8 +21,8 @@ import numpy as np
 from qgeo_filters.atomic import atomic_path, atomic_write
 from qgeo_filters.evaluation import ToscaRemeshed
 from qgeo_filters.evaluation.runner import PairStore
-from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
+from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.report.html import Table
 from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum
 from qgeo_filters.surface import Surface

@@ -31,7 +31,7 @@ def meshes() -> Iterator[tuple[str, Surface, LiftedMetric]]:
     cow = Path(pymeshlab.__file__).parent / "tests" / "sample_meshes" / "cow.obj"
     surface = Surface(*igl.read_triangle_mesh(str(cow))[:2])
     yield "cow", surface, cartesian_metric(surface)
-    yield "cow, weight .03", surface, lifted_metric(surface, weight=0.03)
+    yield "cow, weight .03", surface, lifted_metric(surface, curvature_weight=0.03)
     if "QGEO_DATA" in os.environ:
         for name in ("cat0", "centaur0", "horse0"):
             path = Path(os.environ["QGEO_DATA"]) / "tosca" / "remeshed" / f"{name}.off"
@@ -77,7 +77,7 @@ def main(n_pairs: int = 2000) -> None:
                 print(line(name, "along edges, straightened", lengths, exact, seconds))
             else:
                 print(line(name, "down the exact distance, straightened", lengths, exact[:few], seconds))
-        if metric.weight == 0:
+        if metric.curvature_weight == 0:
             solver = potpourri3d.EdgeFlipGeodesicSolver(surface.vertices, surface.faces)
             start = time.process_time()
             flips = [solver.find_geodesic_path(int(i), int(j)) for i, j in pairs]

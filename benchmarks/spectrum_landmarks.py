@@ -18,8 +18,8 @@ import igl
 import numpy as np
 
 from qgeo_filters import Surface
-from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
+from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.spectral.canonical import subspace_sine
 from qgeo_filters.spectral.distance_spectrum import spectrum_of_matrix
 from qgeo_filters.spectral.landmarks import farthest_points, landmark_operator
@@ -44,7 +44,7 @@ def main(level: int = 5, k: int = 20) -> None:
     for name, surface in surfaces(level):
         areas = surface.vertex_areas
         for weight in (0.0, 0.03):
-            metric = lifted_metric(surface, weight=weight)
+            metric = lifted_metric(surface, curvature_weight=weight)
             matrix = distance_matrix(surface, metric)
             start = time.process_time()
             full = spectrum_of_matrix(matrix, areas, k)

@@ -18,7 +18,7 @@ import time
 import numpy as np
 from geodesics_common import blob, machine
 
-from qgeo_filters.geodesics.lifting import lifted_metric
+from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.geodesics.warmup import warmup
 from qgeo_filters.spectral.block_krylov import spectrum_by_pass
 from qgeo_filters.spectral.canonical import subspace_sine
@@ -37,7 +37,7 @@ def main(mesh: str, weight: float = 0.03, passes: int = 3, landmarks: int = 1000
     found, seconds = [], []
     start = time.process_time()
     by_pass = spectrum_by_pass(
-        surface, _K + 1, lifted_metric(surface, weight=weight), landmarks=landmarks, passes=passes
+        surface, _K + 1, lifted_metric(surface, curvature_weight=weight), landmarks=landmarks, passes=passes
     )
     for spectrum in by_pass:
         found.append(spectrum)
@@ -47,7 +47,9 @@ def main(mesh: str, weight: float = 0.03, passes: int = 3, landmarks: int = 1000
         )
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     stored = n <= 20000
-    reference = distance_spectrum(surface, _K + 1, lifted_metric(surface, weight=weight)) if stored else found[-1]
+    reference = (
+        distance_spectrum(surface, _K + 1, lifted_metric(surface, curvature_weight=weight)) if stored else found[-1]
+    )
     print("\n| passes | sine, 20 | sine, 10 | eigenvalues | residuals | bound on the sine | CPU s |")
     print("|---|---|---|---|---|---|---|")
     for count, (spectrum, cpu) in enumerate(zip(found, seconds, strict=True), 1):

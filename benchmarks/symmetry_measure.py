@@ -17,7 +17,7 @@ import numpy as np
 
 from qgeo_filters import Surface, distance_spectrum
 from qgeo_filters.evaluation import ToscaRemeshed
-from qgeo_filters.geodesics.lifting import lifted_metric
+from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.matching.symmetry_measure import Reading, symmetry_epsilon
 from qgeo_filters.spectral.distance_spectrum import Spectrum
 
@@ -44,7 +44,7 @@ def table_1(tosca: Path, name: str, weight: float = 0.0) -> dict[str, Any]:
     """Numbers of vertices as published and used, and epsilon with five and twenty eigenvectors over sqrt(n)."""
     published = sum(1 for line in (tosca / "lowres" / f"{name}.vert").read_text().splitlines() if line.strip())
     surface, _ = Surface.read(tosca / "lowres" / f"{name}.vert", repair=True).largest_component()
-    spectrum = distance_spectrum(surface, 20, lifted_metric(surface, weight=weight), weights="uniform")
+    spectrum = distance_spectrum(surface, 20, lifted_metric(surface, curvature_weight=weight), mass="uniform")
     five, twenty = (symmetry_epsilon(spectrum, k0=k, reading="printed") / np.sqrt(spectrum.n_vertices) for k in (5, 20))
     return {"n": published, "used": surface.n_vertices, "five": float(five), "twenty": float(twenty)}
 
@@ -57,7 +57,9 @@ def main() -> None:
     for name in ("cat0", "horse0", "wolf0", "dog0", "centaur0"):
         surface, image = data.read(name), data.symmetry(name).images
         for weight in (0.0, 0.03):
-            ratios = mirror_ratios(distance_spectrum(surface, metric=lifted_metric(surface, weight=weight)), image)
+            ratios = mirror_ratios(
+                distance_spectrum(surface, metric=lifted_metric(surface, curvature_weight=weight)), image
+            )
             print(f"| {name} | {weight} | " + " | ".join(f"{ratio:.3f}" for ratio in ratios) + " |", flush=True)
     print("\n| shape | n | used | paper | sqrt(8 / n) | five eigenvectors | twenty |\n|---|---|---|---|---|---|---|")
     for name, printed in TABLE_1.items():

@@ -42,14 +42,17 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .filters.spectral import LaplacianSpectrum as LaplacianSpectrum
     from .filters.spectral import QuasiGeodesicSpectrum as QuasiGeodesicSpectrum
     from .filters.transfer import TransferAttributes as TransferAttributes
-    from .geodesics.lifting import lifted_metric as lifted_metric
+    from .geodesics.distance_solver import DistanceSolver as DistanceSolver
     from .geodesics.matrix import distance_matrix as distance_matrix
     from .geodesics.matrix import distances as distances
+    from .geodesics.methods import register_method as register_method
     from .geodesics.metric import LiftedMetric as LiftedMetric
+    from .geodesics.metric import lifted_metric as lifted_metric
     from .geodesics.operator import DistanceOperator as DistanceOperator
     from .geodesics.path.paths import GeodesicPath as GeodesicPath
     from .geodesics.path.paths import quasi_geodesic as quasi_geodesic
     from .geodesics.path.paths import quasi_geodesics as quasi_geodesics
+    from .geodesics.solver import GeodesicSolver as GeodesicSolver
     from .geodesics.warmup import warmup as warmup
     from .hosts.dispatch import as_surface as as_surface
     from .hosts.protocol import Host as Host
@@ -99,7 +102,10 @@ _HOME = {
     "surface_scalar": "differential.scalar",
     "principal_curvatures": "differential.curvature",
     "PrincipalCurvatures": "differential.curvature",
-    "lifted_metric": "geodesics.lifting",
+    "lifted_metric": "geodesics.metric",
+    "GeodesicSolver": "geodesics.solver",
+    "register_method": "geodesics.methods",
+    "DistanceSolver": "geodesics.distance_solver",
     "distances": "geodesics.matrix",
     "distance_matrix": "geodesics.matrix",
     "quasi_geodesic": "geodesics.path.paths",

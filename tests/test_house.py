@@ -26,11 +26,11 @@ FLOORS: list[list[str]] = [
     ["surface"],
     ["hosts"],
     ["differential"],
-    # geodesics: the metric and what unfolds; kinds of distances; what chooses between them; paths; all of it compiled
-    ["geodesics.jit", "geodesics.metric", "geodesics.lifting", "geodesics.layout", "geodesics.unfolding"],
+    # geodesics: the metric and what unfolds; methods of distances; paths; what users call; all of it compiled
+    ["geodesics.jit", "geodesics.metric", "geodesics.distance_solver", "geodesics.layout", "geodesics.unfolding"],
     ["geodesics.dijkstra", "geodesics.dgg", "geodesics.mmp"],
-    ["geodesics"],
     ["geodesics.path"],
+    ["geodesics"],
     ["geodesics.warmup"],
     ["spectral"],
     ["deformation"],

@@ -66,9 +66,9 @@ def distances(
     import numpy as np
 
     from qgeo_filters.cli.job import Job
-    from qgeo_filters.geodesics.lifting import lifted_metric
     from qgeo_filters.geodesics.matrix import distance_matrix
     from qgeo_filters.geodesics.matrix import distances as distances_from
+    from qgeo_filters.geodesics.metric import lifted_metric
     from qgeo_filters.report.figures import plot_distance_field, plot_distance_matrix, plot_scalar
     from qgeo_filters.validation import checked_indices
 
@@ -186,7 +186,7 @@ def path(
     import numpy as np
 
     from qgeo_filters.cli.job import Job
-    from qgeo_filters.geodesics.lifting import lifted_metric
+    from qgeo_filters.geodesics.metric import lifted_metric
     from qgeo_filters.geodesics.path.paths import quasi_geodesic
     from qgeo_filters.report.figures import plot_path, plot_path_curvature
     from qgeo_filters.validation import checked_index

@@ -9,9 +9,8 @@ import numpy as np
 
 from qgeo_filters.caching import cache, content_key
 from qgeo_filters.differential.scalar import Scalar
-from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
-from qgeo_filters.geodesics.metric import LiftedMetric
+from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.matching.correspondence import MatchResult, match
 from qgeo_filters.matching.prepared_shape import METRIC_WEIGHTS, PreparedShape, check_same_size
 from qgeo_filters.matching.symmetry import Symmetry, self_symmetry

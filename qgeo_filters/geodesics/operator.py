@@ -9,7 +9,7 @@ import numpy.typing as npt
 from scipy.sparse.linalg import LinearOperator
 
 from qgeo_filters.geodesics.dgg.graph import graph_of
-from qgeo_filters.geodesics.metric import LiftedMetric
+from qgeo_filters.geodesics.metric import Metric, metric_for
 from qgeo_filters.parallel import GROUP, run_tasks, worker_count
 from qgeo_filters.surface import Surface
 
@@ -25,8 +25,8 @@ class DistanceOperator(LinearOperator):
     ----------
     surface : Surface
         Manifold and in one piece.
-    metric : LiftedMetric, optional
-        None is the surface's own metric.
+    metric : LiftedMetric, "cartesian" or "lifted"
+        By name: the surface's own metric, or `lifted_metric` as it is.
     accuracy : float
         Bound on the relative error of each entry.
     workers : int, optional
@@ -40,31 +40,34 @@ class DistanceOperator(LinearOperator):
         A mesh in several pieces, or vertices without faces: their distances are infinite, and products not defined.
     NonManifoldError
         Three faces on an edge, or several fans at a vertex.
+    ParameterError
+        The metric of another surface, accuracy out of range.
     """
 
     def __init__(
         self,
         surface: Surface,
-        metric: LiftedMetric | None = None,
+        metric: Metric | None = "cartesian",
         *,
         accuracy: float = 1e-3,
         workers: int | None = None,
         progress: bool = False,
     ) -> None:
+        chosen = metric_for(surface, metric, "cartesian")
         surface.require_connected("the distance operator")
         self.workers = worker_count(workers)
         self.progress = progress
-        self.graph = graph_of(surface, metric, accuracy, self.workers)
+        self.graph = graph_of(chosen, accuracy, self.workers)
         super().__init__(np.dtype(np.float64), (surface.n_vertices, surface.n_vertices))  # type: ignore[call-arg]
 
     def _matmat(self, x: npt.ArrayLike) -> npt.NDArray[np.float64]:
         x = np.asarray(x)
-        n = self.graph.n_vertices
+        n, order = self.graph.n_vertices, self.graph.source_order
         product = np.empty((n, x.shape[1]), np.result_type(x.dtype, np.float64))
         entries = np.float32 if x.dtype == np.float32 else np.float64
 
         def task(first: int) -> None:
-            sources = self.graph.vertex[first : first + GROUP].astype(np.int64)
+            sources = order[first : first + GROUP]
             rows = np.empty((len(sources), n), entries)
             self.graph.distances_into(rows, np.arange(len(sources)), sources)
             product[sources] = rows @ x

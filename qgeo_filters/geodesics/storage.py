@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from qgeo_filters.errors import ParameterError, require_package
-from qgeo_filters.geodesics.dgg.graph import GeodesicGraph
+from qgeo_filters.geodesics.distance_solver import DistanceSolver
 from qgeo_filters.geodesics.metric import IntrinsicMesh
 from qgeo_filters.parallel import GROUP, run_tasks
 
@@ -23,9 +23,9 @@ _KEY = "qgeo_distance_matrix"
 def stored_matrix(
     path: Path,
     mesh: IntrinsicMesh,
-    make_graph: Callable[[], GeodesicGraph],
+    make_solver: Callable[[], DistanceSolver],
     accuracy: float,
-    workers: int,
+    workers: int | None,
     progress: bool,
 ) -> Any:
     """Complete distance matrix as a Zarr array at the path, begun or continued there.
@@ -49,12 +49,13 @@ def stored_matrix(
     free = shutil.disk_usage(path).free
     if free < missing:
         raise OSError(errno.ENOSPC, f"{path} needs {missing / 1e9:.3g} GB more, the disk has {free / 1e9:.3g} GB free")
-    graph = make_graph()
+    solver = make_solver()
+    order = solver.source_order
 
     def task(first: int) -> None:
-        sources = graph.vertex[first : first + GROUP].astype(np.int64)
+        sources = order[first : first + GROUP]
         rows = np.empty((len(sources), n), np.float32)
-        graph.distances_into(rows, np.arange(len(sources)), sources)
+        solver.distances_into(rows, np.arange(len(sources)), sources)
         for source, row in zip(sources.tolist(), rows, strict=True):
             write_chunk(path / "c" / str(source) / "0", row)
 
@@ -122,7 +123,7 @@ def _created(zarr: Any, path: Path, n: int, mark: str) -> Any:
 
 
 def _opened(zarr: Any, path: Path, n: int, mark: str) -> Any:
-    """Array begun by an earlier call for the same mesh, or `ValueError`."""
+    """Array begun by an earlier call for the same mesh, or `ParameterError`."""
     advice = "choose another path, or delete it"
     try:
         array = zarr.open_array(str(path), mode="r+")

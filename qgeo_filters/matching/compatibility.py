@@ -23,7 +23,7 @@ from scipy.optimize import linear_sum_assignment
 
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
-from qgeo_filters.geodesics.lifting import lifted_metric
+from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.spectral.commutative import Normalization, commutative_eigenspectra, spectral_distance
 from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum
 from qgeo_filters.surface import Surface
@@ -105,7 +105,7 @@ def compatibility(
     given = _default_maps(poses, baselines[0], progress) if maps is None else maps
     spectra = []
     for pose in poses:
-        metric = lifted_metric(pose) if weight is None else lifted_metric(pose, weight=weight)
+        metric = lifted_metric(pose) if weight is None else lifted_metric(pose, curvature_weight=weight)
         count = min(k + _SPARE, pose.n_vertices) if isinstance(k, (int, np.integer)) else k
         spectra.append(distance_spectrum(pose, count, metric, progress=progress))
     return compatibility_of_spectra(spectra, given, baselines, k=k, normalization=normalization)

@@ -14,9 +14,8 @@ from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.deformation.arap import Rigidity
 from qgeo_filters.differential.curvature import mean_curvature
 from qgeo_filters.errors import MeshError, ParameterError
-from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
-from qgeo_filters.geodesics.metric import LiftedMetric
+from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.sampling import farthest_by_distances
 from qgeo_filters.spectral.distance_spectrum import Spectrum, check_areas, spectrum_of_matrix
 from qgeo_filters.spectral.laplacian import laplacian_spectrum
@@ -150,7 +149,7 @@ class PreparedShape:
     @cached_property
     def metric(self) -> LiftedMetric:
         """The first metric, on the surface in its own unit."""
-        return lifted_metric(self.surface, weight=self.weights[0])
+        return lifted_metric(self.surface, curvature_weight=self.weights[0])
 
     def distances(self, sources: npt.ArrayLike) -> FloatArray:
         """Distances from some vertices to all in the first metric, (s, n)."""
@@ -223,7 +222,7 @@ class PreparedShape:
         return other
 
     def _view(self, weight: float) -> MetricView:
-        metric = self.metric if weight == self.weights[0] else lifted_metric(self.surface, weight=weight)
+        metric = self.metric if weight == self.weights[0] else lifted_metric(self.surface, curvature_weight=weight)
         if self._matrix is None:
             matrix = distance_matrix(self.surface, metric, progress=self._progress)
         else:

@@ -9,9 +9,8 @@ from scipy.linalg import eigh
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import ParameterError
-from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distances
-from qgeo_filters.geodesics.metric import LiftedMetric
+from qgeo_filters.geodesics.metric import Metric, metric_for
 from qgeo_filters.geodesics.operator import DistanceOperator
 from qgeo_filters.spectral.distance_spectrum import Spectrum, check_areas, check_count
 from qgeo_filters.spectral.landmarks import farthest_points
@@ -21,7 +20,7 @@ from qgeo_filters.surface import Surface
 def streamed_spectrum(
     surface: Surface,
     k: int = 20,
-    metric: LiftedMetric | None = None,
+    metric: Metric | None = "lifted",
     *,
     landmarks: int = 1000,
     passes: int = 2,
@@ -43,8 +42,8 @@ def streamed_spectrum(
         In one piece and manifold.
     k : int
         Number of eigenpairs; at most n.
-    metric : LiftedMetric, optional
-        Default: `lifted_metric` of the surface, as it is.
+    metric : LiftedMetric, "lifted" or "cartesian"
+        By name: `lifted_metric` of the surface as it is, or the surface's own metric.
     landmarks : int
         Number of farthest points for the start, at least k and at most n. Their rows are in memory, in float64.
     passes : int
@@ -61,8 +60,8 @@ def streamed_spectrum(
     ------
     DisconnectedError, NonManifoldError, MeshError
         As in `distance_spectrum`.
-    ValueError
-        k, landmarks or passes out of range.
+    ParameterError
+        k, landmarks or passes out of range, the metric of another surface.
 
     References
     ----------
@@ -70,8 +69,9 @@ def streamed_spectrum(
     decomposition", NeurIPS 2015. Halko, Martinsson, Tropp, "Finding structure with randomness", SIAM Review 53(2),
     2011, sec. 5.5 (the last step, for matrices that are positive).
     """
+    chosen = metric_for(surface, metric, "lifted")
     *_, spectrum = spectrum_by_pass(
-        surface, k, metric, landmarks=landmarks, passes=passes, accuracy=accuracy, workers=workers, progress=progress
+        surface, k, chosen, landmarks=landmarks, passes=passes, accuracy=accuracy, workers=workers, progress=progress
     )
     return spectrum
 
@@ -79,7 +79,7 @@ def streamed_spectrum(
 def spectrum_by_pass(
     surface: Surface,
     k: int,
-    metric: LiftedMetric | None = None,
+    metric: Metric | None = "lifted",
     *,
     landmarks: int = 1000,
     passes: int = 2,
@@ -96,8 +96,7 @@ def spectrum_by_pass(
         raise ParameterError(f"passes must be a whole number, at least 1, got {passes!r}")
     if not k <= landmarks <= n:
         raise ParameterError(f"landmarks must be at least k, {k}, and at most the {n} vertices, got {landmarks}")
-    if metric is None:
-        metric = lifted_metric(surface)
+    metric = metric_for(surface, metric, "lifted")
     operator = DistanceOperator(surface, metric, accuracy=accuracy, workers=workers, progress=progress)
     # Free of the unit of length, so that no scale leaves the range of float32.
     root = np.sqrt(surface.vertex_areas / surface.area)[:, None]

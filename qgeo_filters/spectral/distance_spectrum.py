@@ -10,17 +10,18 @@ import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, aslinearoperator
 
+from qgeo_filters._deprecation import renamed_parameters
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import MeshError, ParameterError
-from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
-from qgeo_filters.geodesics.metric import LiftedMetric
+from qgeo_filters.geodesics.metric import LiftedMetric, Metric, metric_for
 from qgeo_filters.spectral.block_lanczos import block_eigenpairs
 from qgeo_filters.spectral.canonical import canonical_signs, group_multiplets
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen, listed
 
-Weights = Literal["area", "uniform"]
+#: Inner product of the eigenproblem: by the areas of the vertices, or the paper's plain one.
+Mass = Literal["area", "uniform"]
 
 # Two random vectors must agree to this on <x, D y> = <y, D x>; float32 distances do, one-sided ones do not.
 _SYMMETRY = 1e-4
@@ -35,13 +36,13 @@ class Spectrum:
     Attributes
     ----------
     eigenvalues : (k,) float64
-        For a distance matrix by decreasing absolute value, in units of length^3 (length for uniform weights);
+        For a distance matrix by decreasing absolute value, in units of length^3 (length for uniform mass);
         for the Laplacian increasing, in units of 1 / area.
     eigenfunctions : (n, k) float64
-        One in each column, orthonormal under the weights: ``phi.T @ (areas[:, None] * phi)`` is the identity.
+        One in each column, orthonormal under the mass: ``phi.T @ (areas[:, None] * phi)`` is the identity.
         The sign is fixed by `canonical_signs`.
     areas : (n,) float64
-        Weight of each vertex in the inner product: its area, or 1 for the paper's unweighted matrix.
+        Mass of each vertex in the inner product: its area, or 1 for the paper's unweighted matrix.
     multiplets : tuple of tuple of int
         Partition of ``range(k)`` into groups of nearly equal eigenvalues, see `group_multiplets`. Within a group only
         the span of the eigenfunctions has a meaning. The last group may be cut short by k.
@@ -68,12 +69,12 @@ class Spectrum:
     ) -> Spectrum:
         """Spectrum of these eigenpairs, in their order, with canonical signs and multiplets."""
         values = np.array(eigenvalues, dtype=np.float64)
-        weights = np.array(areas, dtype=np.float64)
+        mass = np.array(areas, dtype=np.float64)
         functions = np.array(eigenfunctions, dtype=np.float64)
-        functions *= canonical_signs(functions, weights)
+        functions *= canonical_signs(functions, mass)
         if residuals is not None:
             residuals = frozen(np.array(residuals, dtype=np.float64))
-        return cls(frozen(values), frozen(functions), frozen(weights), group_multiplets(values), residuals)
+        return cls(frozen(values), frozen(functions), frozen(mass), group_multiplets(values), residuals)
 
     @property
     def k(self) -> int:
@@ -98,16 +99,18 @@ class Spectrum:
         )
 
 
+@renamed_parameters(weights="mass")
 def distance_spectrum(
     surface: Surface,
     k: int = 20,
-    metric: LiftedMetric | None = None,
-    weights: Weights = "area",
+    metric: Metric | None = "lifted",
+    mass: Mass = "area",
     landmarks: int | None = None,
     *,
     matrix: Any = None,
     method: str = "graph",
     accuracy: float = 1e-3,
+    workers: int | None = None,
     progress: bool = False,
 ) -> Spectrum:
     r"""Spectrum of the quasi-geodesic distances of a surface: the k eigenpairs of largest absolute value.
@@ -120,16 +123,16 @@ def distance_spectrum(
         In one piece and manifold.
     k : int
         Number of eigenpairs.
-    metric : LiftedMetric, optional
-        Default: `lifted_metric` of the surface, as it is.
-    weights : {"area", "uniform"}
+    metric : LiftedMetric, "lifted" or "cartesian"
+        By name: `lifted_metric` of the surface as it is, or the surface's own metric.
+    mass : {"area", "uniform"}
         ``"area"``: the operator above, which two triangulations share. ``"uniform"``: the paper's plain matrix,
         eq. (2).
     landmarks : int, optional
         Distances from this many farthest points only, in memory O(n landmarks); see `landmark_spectrum`.
     matrix : array-like or LinearOperator, shape (n, n), optional
         Distances in this metric, where they are at hand.
-    method, accuracy, progress
+    method, accuracy, workers, progress
         How to compute them otherwise, as in `distances`.
 
     Returns
@@ -140,35 +143,39 @@ def distance_spectrum(
     ------
     MeshError
         Surface in several pieces, not manifold, or with a vertex of no area.
-    ValueError
-        k out of range; landmarks together with a matrix.
+    ParameterError
+        k out of range; landmarks together with a matrix; the metric of another surface.
     """
     surface.require_connected("the spectrum of the distances")
     check_count(k, surface.n_vertices)
     check_areas(surface.vertex_areas)
+    check_mass(mass)
+    if landmarks is not None and matrix is not None:
+        raise ParameterError("landmarks stand for the matrix of distances: pass one or the other")
+    if matrix is not None and not isinstance(metric, LiftedMetric):
+        return spectrum_of_matrix(matrix, surface.vertex_areas, k, mass)  # a metric by name need not be made
+    chosen = metric_for(surface, metric, "lifted")
     if landmarks is not None:
-        if matrix is not None:
-            raise ParameterError("landmarks stand for the matrix of distances: pass one or the other")
         # Not at the top: it returns a Spectrum and imports this file.
         from qgeo_filters.spectral.landmarks import landmark_spectrum
 
         return landmark_spectrum(
-            surface, k, metric, landmarks, weights, method=method, accuracy=accuracy, progress=progress
+            surface, k, chosen, landmarks, mass, method=method, accuracy=accuracy, workers=workers, progress=progress
         )
     if matrix is None:
-        chosen = metric or lifted_metric(surface)
-        matrix = distance_matrix(surface, chosen, method, accuracy=accuracy, progress=progress)
-    return spectrum_of_matrix(matrix, surface.vertex_areas, k, weights)
+        matrix = distance_matrix(surface, chosen, method, accuracy=accuracy, workers=workers, progress=progress)
+    return spectrum_of_matrix(matrix, surface.vertex_areas, k, mass)
 
 
+@renamed_parameters(weights="mass")
 def spectrum_of_matrix(
-    matrix: Any, areas: npt.ArrayLike, k: int = 20, weights: Weights = "area", *, tolerance: float = 1e-6
+    matrix: Any, areas: npt.ArrayLike, k: int = 20, mass: Mass = "area", *, tolerance: float = 1e-6
 ) -> Spectrum:
     r"""Spectrum of a symmetric matrix of distances: the k eigenpairs of largest absolute value.
 
     With A the diagonal matrix of vertex areas, the eigenpairs :math:`(\gamma, u)` of :math:`A^{1/2} D A^{1/2}` give the
     eigenfunctions :math:`\phi = A^{-1/2} u` of the integral operator with kernel d, orthonormal in the area
-    inner product. With ``weights="uniform"`` A is the identity: the paper's eq. (2).
+    inner product. With ``mass="uniform"`` A is the identity: the paper's eq. (2).
 
     Parameters
     ----------
@@ -179,7 +186,7 @@ def spectrum_of_matrix(
         Area of each vertex, positive.
     k : int
         Number of eigenpairs, at most n.
-    weights : {"area", "uniform"}
+    mass : {"area", "uniform"}
     tolerance : float
         Residual of the last eigenpair, as a fraction of its eigenvalue, see `block_eigenpairs`; those before it are
         more accurate.
@@ -192,13 +199,12 @@ def spectrum_of_matrix(
     Raises
     ------
     MeshError
-        A vertex without area, under area weights.
+        A vertex without area, under area mass.
     ValueError
         Shapes that do not match, k out of range, a matrix that is not symmetric or not finite (the
         distance between two pieces is infinite).
     """
-    if weights not in ("area", "uniform"):
-        raise ParameterError(f"weights must be 'area' or 'uniform', got {weights!r}")
+    check_mass(mass)
     area = np.asarray(areas, dtype=np.float64)
     n = area.size
     if area.ndim != 1 or np.shape(matrix) != (n, n):
@@ -206,7 +212,7 @@ def spectrum_of_matrix(
             f"the matrix has shape {np.shape(matrix)} and the areas {area.shape}; expected (n, n) and (n,)"
         )
     check_count(k, n)
-    if weights == "uniform":
+    if mass == "uniform":
         area = np.ones(n)
     check_areas(area)
     root = np.sqrt(area)
@@ -215,6 +221,12 @@ def spectrum_of_matrix(
     operator = _symmetric(matrix, root / np.sqrt(unit))
     values, vectors = block_eigenpairs(operator, k, tolerance)
     return Spectrum.of(values * unit, vectors / root[:, None], area)
+
+
+def check_mass(mass: str) -> None:
+    """Raise ParameterError unless the mass is one of the two."""
+    if mass not in ("area", "uniform"):
+        raise ParameterError(f"mass must be 'area' or 'uniform', got {mass!r}")
 
 
 def check_count(k: int, n: int) -> None:

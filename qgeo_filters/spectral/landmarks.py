@@ -6,20 +6,27 @@ import numpy as np
 import numpy.typing as npt
 from scipy.sparse.linalg import LinearOperator
 
+from qgeo_filters._deprecation import renamed_parameters
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
-from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distances
-from qgeo_filters.geodesics.metric import LiftedMetric, cartesian_metric
+from qgeo_filters.geodesics.metric import LiftedMetric, Metric, metric_for
 from qgeo_filters.sampling import farthest_on_edges
 from qgeo_filters.spectral.biharmonic import biharmonic_interpolation
-from qgeo_filters.spectral.distance_spectrum import Spectrum, Weights, check_areas, check_count, spectrum_of_matrix
+from qgeo_filters.spectral.distance_spectrum import (
+    Mass,
+    Spectrum,
+    check_areas,
+    check_count,
+    check_mass,
+    spectrum_of_matrix,
+)
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices
 
 
 def farthest_points(
-    surface: Surface, count: int, metric: LiftedMetric | None = None, *, start: int | None = None
+    surface: Surface, count: int, metric: Metric | None = "cartesian", *, start: int | None = None
 ) -> IndexArray:
     """Vertices spread evenly over the surface, each the farthest from those before it, shape (count,).
 
@@ -31,8 +38,8 @@ def farthest_points(
         In one piece.
     count : int
         Number of points, at most n. The first points of a longer sequence are the shorter one.
-    metric : LiftedMetric, optional
-        None is the metric of the surface itself.
+    metric : LiftedMetric, "cartesian" or "lifted"
+        By name: the surface's own metric, or `lifted_metric` as it is.
     start : int, optional
         First point; the vertex farthest from the centroid by default, which does not depend on the numbering.
 
@@ -40,8 +47,8 @@ def farthest_points(
     ------
     DisconnectedError
         Surface in several pieces.
-    ValueError
-        ``count`` or ``start`` out of range.
+    ParameterError, MeshError
+        ``count`` or ``start`` out of range, the metric of another surface.
 
     References
     ----------
@@ -49,22 +56,24 @@ def farthest_points(
     most twice the best.
     """
     surface.require_connected("farthest point sampling")
-    metric = metric or cartesian_metric(surface)
+    metric = metric_for(surface, metric, "cartesian")
     if start is None:
         centroid = surface.vertex_areas @ surface.vertices / surface.area
         start = int(np.linalg.norm(surface.vertices - centroid, axis=1).argmax())
     return farthest_on_edges(surface.edges, metric.edge_lengths, surface.n_vertices, count, start)
 
 
+@renamed_parameters(weights="mass")
 def landmark_spectrum(
     surface: Surface,
     k: int = 20,
-    metric: LiftedMetric | None = None,
+    metric: Metric | None = "lifted",
     landmarks: int | npt.ArrayLike = 1000,
-    weights: Weights = "area",
+    mass: Mass = "area",
     *,
     method: str = "graph",
     accuracy: float = 1e-3,
+    workers: int | None = None,
     progress: bool = False,
 ) -> Spectrum:
     """Spectrum of the distances, approximated from those between some landmarks and all vertices.
@@ -74,14 +83,14 @@ def landmark_spectrum(
     surface : Surface
     k : int
         Number of eigenpairs.
-    metric : LiftedMetric, optional
-        Default: `lifted_metric` of the surface, as it is.
+    metric : LiftedMetric, "lifted" or "cartesian"
+        By name: `lifted_metric` of the surface as it is, or the surface's own metric.
     landmarks : int or array-like of int
         How many farthest points, or which vertices; more than k. With 1000 the span of the first twenty
         eigenfunctions is off by a sine of .005 to .03, with 500 of .02 to .11 (`benchmarks/spectrum_landmarks.py`).
-    weights : {"area", "uniform"}
+    mass : {"area", "uniform"}
         As in `spectrum_of_matrix`.
-    method, accuracy, progress
+    method, accuracy, workers, progress
         As in `distances`.
 
     Returns
@@ -95,16 +104,16 @@ def landmark_spectrum(
     surface.require_connected("the spectrum of the distances")
     check_count(k, surface.n_vertices)
     check_areas(surface.vertex_areas)
-    if metric is None:
-        metric = lifted_metric(surface)
+    check_mass(mass)
+    metric = metric_for(surface, metric, "lifted")
     if np.ndim(landmarks) == 0:
         points = farthest_points(surface, np.asarray(landmarks).item(), metric)
     else:
         points = checked_indices(landmarks, surface.n_vertices, "landmarks")
     if len(points) <= k:
         raise ParameterError(f"{k} eigenpairs need more landmarks than that, got {len(points)}")
-    rows = distances(surface, points, metric, method, accuracy=accuracy, progress=progress)
-    return spectrum_of_matrix(landmark_operator(metric, points, rows), surface.vertex_areas, k, weights)
+    rows = distances(surface, points, metric, method, accuracy=accuracy, workers=workers, progress=progress)
+    return spectrum_of_matrix(landmark_operator(metric, points, rows), surface.vertex_areas, k, mass)
 
 
 def landmark_operator(metric: LiftedMetric, landmarks: npt.ArrayLike, rows: npt.ArrayLike) -> LinearOperator:

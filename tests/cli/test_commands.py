@@ -80,7 +80,7 @@ def test_distances_on_disk(qgeo: Qgeo, loaded: Loaded, monkeypatch: pytest.Monke
     assert qgeo(*command).exit_code == 0
     content, arrays = loaded(Path("qgeo-out"))
     surface = qg.Surface.read("blob.off")
-    expected = qg.distance_matrix(surface, qg.lifted_metric(surface, weight=0.1))
+    expected = qg.distance_matrix(surface, qg.lifted_metric(surface, curvature_weight=0.1))
     np.testing.assert_array_equal(zarr.open_array("d.zarr", mode="r")[:], expected)
     assert content["parameters"]["matrix"] == "d.zarr"
     assert content["results"]["max"] == expected.max()
@@ -140,7 +140,7 @@ def test_spectrum(qgeo: Qgeo, loaded: Loaded) -> None:
     assert qgeo("spectrum", "blob.off", "-k", 7, "-w", 0.05).exit_code == 0
     content, arrays = loaded(Path("qgeo-out"))
     surface = qg.Surface.read("blob.off")
-    expected = qg.distance_spectrum(surface, 7, qg.lifted_metric(surface, weight=0.05))
+    expected = qg.distance_spectrum(surface, 7, qg.lifted_metric(surface, curvature_weight=0.05))
     np.testing.assert_allclose(arrays["eigenvalues"], expected.eigenvalues, rtol=1e-6)
     gram = arrays["eigenfunctions"].T @ (arrays["areas"][:, None] * arrays["eigenfunctions"])
     np.testing.assert_allclose(gram, np.eye(7), atol=1e-6)
@@ -161,7 +161,7 @@ def test_path(qgeo: Qgeo, loaded: Loaded) -> None:
     assert qgeo("path", "blob.off", 3, 100, "-w", 0.05).exit_code == 0
     content, arrays = loaded(Path("qgeo-out"))
     surface = qg.Surface.read("blob.off")
-    metric = qg.lifted_metric(surface, weight=0.05)
+    metric = qg.lifted_metric(surface, curvature_weight=0.05)
     expected = quasi_geodesic(surface, 3, 100, metric)
     np.testing.assert_array_equal(arrays["points"], expected.points)
     np.testing.assert_array_equal(arrays["kappa_g"], expected.kappa_g)

@@ -27,7 +27,9 @@ def test_demo(qgeo: Callable[..., Result], loaded: Loaded, monkeypatch: pytest.M
     true = stages.distance_matrix
     for module in (stages, prepared_shape):  # where matrices are asked for
         monkeypatch.setattr(
-            module, "distance_matrix", lambda *args, **kwargs: weights.append(args[1].weight) or true(*args, **kwargs)
+            module,
+            "distance_matrix",
+            lambda *args, **kwargs: weights.append(args[1].curvature_weight) or true(*args, **kwargs),
         )
     result = qgeo("demo", "-o", "out")
     assert result.exit_code == 0

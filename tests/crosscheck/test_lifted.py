@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial import Delaunay
 
 from qgeo_filters import Surface
-from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distances
+from qgeo_filters.geodesics.metric import lifted_metric
 
 SCALARS = {
     "wave": lambda x, y: np.sin(7 * x) * np.cos(5 * y),

@@ -231,9 +231,9 @@ def test_graph_is_kept_and_let_go() -> None:
     from qgeo_filters.geodesics.dgg.graph import graph_of
 
     surface = Surface(*shapes.blob(2))
-    kept = weakref.ref(graph_of(surface, None, 1e-3, 1))
-    assert graph_of(surface, None, 1e-3, 1) is kept()
-    assert graph_of(surface, None, 1e-2, 1).accuracy == 1e-2
+    kept = weakref.ref(graph_of(cartesian_metric(surface), 1e-3, 1))
+    assert graph_of(cartesian_metric(surface), 1e-3, 1) is kept()
+    assert graph_of(cartesian_metric(surface), 1e-2, 1).accuracy == 1e-2
     del surface
     gc.collect()
     assert kept() is None

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from shapes import blob, grid, icosphere, moebius
 
 from qgeo_filters.differential.scalar import surface_scalar
-from qgeo_filters.geodesics.lifting import lifted_metric
+from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.surface import Surface
 
 
@@ -30,9 +30,9 @@ def test_edges_are_those_of_the_graph_in_four_dimensions(weight, seed):
 
 def test_weight_zero_is_the_surface_itself_and_needs_no_scalar():
     surface = Surface(*moebius())  # on which the mean curvature has no sign
-    metric = lifted_metric(surface, weight=0)
+    metric = lifted_metric(surface, curvature_weight=0)
     np.testing.assert_array_equal(metric.edge_lengths, surface.edge_lengths)
-    assert metric.weight == 0
+    assert metric.curvature_weight == 0
     assert (metric.scalar == 0).all()
 
 
@@ -51,7 +51,7 @@ def test_lengths_scale_with_the_mesh(factor):
 @pytest.mark.parametrize("weight", [-0.1, np.nan, np.inf])
 def test_bad_weight(weight):
     with pytest.raises(ValueError, match="0 or more"):
-        lifted_metric(Surface(*grid(3)), weight=weight)
+        lifted_metric(Surface(*grid(3)), curvature_weight=weight)
 
 
 def test_arrays_are_read_only():

@@ -80,7 +80,7 @@ def check_definition(path: GeodesicPath, surface: Surface, metric: LiftedMetric 
     np.testing.assert_allclose(np.einsum("ki,kij->kj", path.barycentric, corners), path.points, atol=1e-12 * scale)
     segments = side_lengths_of(path, metric)
     assert segments.sum() == pytest.approx(path.length, rel=1e-9)
-    if metric.weight == 0:
+    if metric.curvature_weight == 0:
         straight = np.linalg.norm(np.diff(path.points, axis=0), axis=1)
         assert straight.sum() == pytest.approx(path.length, rel=1e-9)
     assert (np.diff(path.lengths) <= 1e-13 * path.length).all(), "a round made the path longer"

@@ -14,9 +14,8 @@ import qgeo_filters as qg
 from qgeo_filters.caching import cache
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.filters import stages
-from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
-from qgeo_filters.geodesics.metric import LiftedMetric
+from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.matching import prepared_shape as module
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.prepared_shape import METRIC_WEIGHTS, PreparedShape
@@ -31,7 +30,7 @@ class Spy:
 
     def __call__(self, *args: object, **kwargs: object) -> np.ndarray:
         metric = next(arg for arg in args if isinstance(arg, LiftedMetric))
-        self.weights.append(metric.weight)
+        self.weights.append(metric.curvature_weight)
         options = {name: value for name, value in kwargs.items() if name != "progress"}
         return distance_matrix(metric.surface, metric, **options)  # type: ignore[arg-type]
 
@@ -102,7 +101,7 @@ def test_everything_is_that_of_the_shape_at_unit_area(surface: Surface) -> None:
     assert unit.area == pytest.approx(1)
     np.testing.assert_allclose(shape.areas, unit.vertex_areas, rtol=1e-12)
     for view in shape.views:
-        matrix = distance_matrix(unit, lifted_metric(unit, weight=view.weight))
+        matrix = distance_matrix(unit, lifted_metric(unit, curvature_weight=view.weight))
         np.testing.assert_allclose(view.rows, matrix[shape.samples[: len(view.rows)]], rtol=2e-6, atol=1e-7)
         expected = qg.distance_spectrum(unit, view.spectrum.k, matrix=matrix)
         np.testing.assert_allclose(view.spectrum.eigenvalues, expected.eigenvalues, rtol=1e-5)

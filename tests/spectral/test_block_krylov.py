@@ -7,7 +7,7 @@ import pytest
 from shapes import blob, icosphere
 
 from qgeo_filters.errors import DisconnectedError
-from qgeo_filters.geodesics.lifting import lifted_metric
+from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.spectral.block_krylov import streamed_spectrum
 from qgeo_filters.spectral.canonical import subspace_sine
 from qgeo_filters.spectral.distance_spectrum import distance_spectrum
@@ -17,7 +17,7 @@ from qgeo_filters.surface import Surface
 @pytest.mark.parametrize("weight", [0.0, 0.03])
 def test_passes_bring_it_to_the_full_spectrum(weight: float) -> None:
     surface = Surface(*blob(3))
-    metric = lifted_metric(surface, weight=weight)
+    metric = lifted_metric(surface, curvature_weight=weight)
     full = distance_spectrum(surface, 10, metric)
     sines = []
     for passes in (1, 2, 3):
@@ -61,7 +61,7 @@ def test_residuals_bound_the_errors() -> None:
 
 def test_all_eigenpairs_of_a_small_surface() -> None:
     surface = Surface(*icosphere(1))
-    metric = lifted_metric(surface, weight=0)
+    metric = lifted_metric(surface, curvature_weight=0)
     streamed = streamed_spectrum(surface, 42, metric, landmarks=42, passes=3)
     full = distance_spectrum(surface, 42, metric)
     assert np.allclose(streamed.eigenvalues, full.eigenvalues, atol=1e-5 * abs(full.eigenvalues[0]))

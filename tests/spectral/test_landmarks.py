@@ -9,9 +9,8 @@ from scipy.sparse.csgraph import dijkstra
 from shapes import blob, cylinder, grid, moebius, torus
 
 from qgeo_filters.errors import DisconnectedError
-from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
-from qgeo_filters.geodesics.metric import cartesian_metric
+from qgeo_filters.geodesics.metric import cartesian_metric, lifted_metric
 from qgeo_filters.spectral.biharmonic import biharmonic_interpolation, intrinsic_laplacian
 from qgeo_filters.spectral.canonical import subspace_sine
 from qgeo_filters.spectral.distance_spectrum import distance_spectrum, spectrum_of_matrix

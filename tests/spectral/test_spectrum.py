@@ -14,8 +14,8 @@ from scipy.special import eval_legendre
 from shapes import blob, grid, icosphere
 
 from qgeo_filters.errors import DisconnectedError, MeshError
-from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distance_matrix
+from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.spectral.canonical import subspace_sine
 from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum, spectrum_of_matrix
 from qgeo_filters.surface import Surface

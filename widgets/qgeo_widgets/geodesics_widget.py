@@ -13,8 +13,8 @@ import traitlets
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar, surface_scalar
 from qgeo_filters.errors import ParameterError
-from qgeo_filters.geodesics.lifting import lifted_metric
 from qgeo_filters.geodesics.matrix import distances
+from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.geodesics.path.paths import GeodesicPath, quasi_geodesic
 from qgeo_filters.validation import checked_index
 from qgeo_widgets import chart, controls

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.sparse.csgraph import connected_components, dijkstra
 
-from qgeo_filters._typing import FloatArray, IntArray
+from qgeo_filters._typing import FloatArray, IndexArray, IntArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.dgg.bucket_order import band_order
 from qgeo_filters.geodesics.dgg.construction import look_from
@@ -20,9 +20,10 @@ from qgeo_filters.geodesics.dgg.memory import release_freed_memory
 from qgeo_filters.geodesics.dgg.simd import LANES, aligned_block
 from qgeo_filters.geodesics.dgg.vertex_ordering import compact_order
 from qgeo_filters.geodesics.dijkstra import mesh_edges
+from qgeo_filters.geodesics.distance_solver import DistanceSolver
 from qgeo_filters.geodesics.layout import layout_of
-from qgeo_filters.geodesics.metric import IntrinsicMesh, LiftedMetric, cartesian_metric
-from qgeo_filters.parallel import in_threads
+from qgeo_filters.geodesics.metric import IntrinsicMesh, LiftedMetric
+from qgeo_filters.parallel import GROUP, in_threads
 from qgeo_filters.surface import Surface
 
 # Width of a band of distance, in mean edge lengths: narrow enough for one pass to do nearly all.
@@ -32,8 +33,8 @@ _CHUNK = 128
 
 
 @dataclass(frozen=True, eq=False)
-class GeodesicGraph:
-    """Solver that keeps the graph: distances from a group of sources are then one call.
+class GeodesicGraph(DistanceSolver):
+    """Shortest paths in the graph of a metric, from 32 sources at once.
 
     Inside, vertices are renumbered so that neighbours in number are neighbours on the surface; numbers in that
     order are called places. The graph is undirected, so that distances are the same from either end, bit
@@ -55,6 +56,9 @@ class GeodesicGraph:
         Bound on the relative error.
     """
 
+    group = GROUP
+    symmetric = True
+
     vertex: IntArray
     place: IntArray
     start: npt.NDArray[np.int64]
@@ -72,10 +76,15 @@ class GeodesicGraph:
         """Number of vertices, those without faces included."""
         return len(self.vertex)
 
-    def distances_into(self, out: np.ndarray, rows: npt.NDArray[np.int64], sources: npt.NDArray[np.int64]) -> None:
+    @property
+    def source_order(self) -> IndexArray:
+        """All vertices, those that follow each other close together on the surface, shape (n,)."""
+        return self.vertex.astype(np.int64)
+
+    def distances_into(self, out: np.ndarray, rows: IndexArray, sources: IndexArray) -> None:
         """Distances from each source into its row of ``out`` (., n), float32 or float64.
 
-        Sources that follow each other should be close together: so are `vertex`'s.
+        Sources that follow each other should be close together: so are those of `source_order`.
         """
         n, ticks = self.n_vertices, self.ticks
         block = aligned_block(n, ticks.length.dtype)
@@ -143,13 +152,12 @@ def geodesic_graph(mesh: IntrinsicMesh, accuracy: float = 1e-3, *, workers: int 
 _kept: WeakKeyDictionary[LiftedMetric | Surface, GeodesicGraph] = WeakKeyDictionary()
 
 
-def graph_of(surface: Surface, metric: LiftedMetric | None, accuracy: float, workers: int | None) -> GeodesicGraph:
-    """Graph of a metric, None for the surface's own, kept for as long as the metric or surface lives."""
-    key = surface if metric is None else metric
+def graph_of(metric: LiftedMetric, accuracy: float, workers: int | None) -> GeodesicGraph:
+    """Graph of a metric, kept for as long as the metric lives, the surface's own for as long as the surface does."""
+    key = metric.surface if metric.edge_lengths is metric.surface.edge_lengths else metric
     graph = _kept.get(key)
     if graph is None or graph.accuracy != accuracy:
-        mesh = (metric if metric is not None else cartesian_metric(surface)).intrinsic()
-        graph = _kept[key] = geodesic_graph(mesh, accuracy, workers=workers)
+        graph = _kept[key] = geodesic_graph(metric.intrinsic(), accuracy, workers=workers)
         release_freed_memory()
     return graph
 

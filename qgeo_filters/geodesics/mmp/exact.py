@@ -5,12 +5,36 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters._typing import FloatArray
-from qgeo_filters.geodesics.metric import IntrinsicMesh
+from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.geodesics.distance_solver import DistanceSolver, distances_from
+from qgeo_filters.geodesics.metric import IntrinsicMesh, LiftedMetric
 from qgeo_filters.geodesics.mmp.window_propagation import propagate
 from qgeo_filters.geodesics.unfolding import unfolded
-from qgeo_filters.parallel import in_threads
 from qgeo_filters.validation import checked_indices
+
+
+class WindowPropagation(DistanceSolver):
+    """Exact distances of a metric, whose triangles are kept laid flat; each source is propagated on its own."""
+
+    def __init__(self, mesh: IntrinsicMesh) -> None:
+        self.flat = unfolded(mesh)
+
+    @classmethod
+    def of(cls, metric: LiftedMetric, accuracy: float, workers: int | None) -> WindowPropagation:
+        """Solver of a metric; there is nothing that the accuracy could allow."""
+        return cls(metric.intrinsic())
+
+    @property
+    def n_vertices(self) -> int:
+        """Number of vertices, those without faces included."""
+        return len(self.flat.angles)
+
+    def distances_into(self, out: np.ndarray, rows: IndexArray, sources: IndexArray) -> None:
+        """Distances from each source into its row of ``out`` (., n)."""
+        distance = np.empty(self.n_vertices)
+        for row, source in zip(rows, sources, strict=True):
+            propagate(source, -1, self.flat, distance)
+            out[row] = distance
 
 
 def exact_distances(
@@ -42,15 +66,8 @@ def exact_distances(
 
     Notes
     -----
-    Ordered propagation of windows (Mitchell, Mount, Papadimitriou 1987); see `propagation`. A path that
+    Ordered propagation of windows (Mitchell, Mount, Papadimitriou 1987); see `window_propagation`. A path that
     merely touches two faces' common vertex may cross there.
     """
-    indices = checked_indices(sources, mesh.n_vertices, "sources")
-    flat = unfolded(mesh)
-    distances = np.empty((len(indices), mesh.n_vertices))
-
-    def fill(row: int) -> None:
-        propagate(indices[row], -1, flat, distances[row])
-
-    in_threads(fill, range(len(indices)), workers, progress=progress, description="exact distances", unit="source")
-    return distances
+    chosen = checked_indices(sources, mesh.n_vertices, "sources")
+    return distances_from(WindowPropagation(mesh), chosen, workers, progress)

@@ -11,7 +11,7 @@ from numba import njit
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.errors import DisconnectedError, MeshError, ParameterError
 from qgeo_filters.geodesics.jit import ZERO
-from qgeo_filters.geodesics.metric import LiftedMetric, cartesian_metric
+from qgeo_filters.geodesics.metric import LiftedMetric, Metric, metric_for
 from qgeo_filters.geodesics.path.backtrace import edge_sleeve, exact_sleeve
 from qgeo_filters.geodesics.path.straightening import describe, straighten, vertex_nodes
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh, unfolded
@@ -75,7 +75,7 @@ def quasi_geodesic(
     surface: Surface,
     i: int,
     j: int,
-    metric: LiftedMetric | None = None,
+    metric: Metric | None = "cartesian",
     *,
     initial: str = "exact",
     tolerance: float = 1e-6,
@@ -88,8 +88,8 @@ def quasi_geodesic(
         Manifold; open, closed, orientable or not.
     i, j : int
         Vertices.
-    metric : LiftedMetric, optional
-        None is the surface's own metric.
+    metric : LiftedMetric, "cartesian" or "lifted"
+        By name: the surface's own metric, or `lifted_metric` as it is.
     initial : {"exact", "edges"}
         First path: down the exact distance from j, which gives the shortest path of all; or the shortest
         path along edges, much faster, which in some cases straightens to one that is only locally shortest.
@@ -106,8 +106,8 @@ def quasi_geodesic(
         The vertices lie in different pieces of the surface.
     NonManifoldError
         Three faces on an edge, or several fans at a vertex.
-    ValueError
-        A vertex out of range, an unknown first path.
+    ParameterError, MeshError
+        A vertex out of range, an unknown first path, the metric of another surface.
 
     Notes
     -----
@@ -116,14 +116,14 @@ def quasi_geodesic(
     path goes to the side whose angle is below pi and stays if both are at least pi. All points inside edges are
     corrected at once by the taut path through the unfolded triangles.
     """
-    finder = _Finder(surface, metric, initial, tolerance)
+    finder = PathFinder(surface, metric_for(surface, metric, "cartesian"), initial, tolerance)
     return finder(checked_index(i, surface.n_vertices, "i"), checked_index(j, surface.n_vertices, "j"))
 
 
 def quasi_geodesics(
     surface: Surface,
     pairs: npt.ArrayLike,
-    metric: LiftedMetric | None = None,
+    metric: Metric | None = "cartesian",
     *,
     initial: str = "edges",
     tolerance: float = 1e-6,
@@ -145,14 +145,14 @@ def quasi_geodesics(
 
     Raises
     ------
-    DisconnectedError, NonManifoldError, ValueError
+    DisconnectedError, NonManifoldError, ParameterError, MeshError
         As `quasi_geodesic`.
     """
     table = np.asarray(pairs)
     if table.ndim != 2 or table.shape[1] != 2:
         raise MeshError(f"pairs must have shape (k, 2), got {table.shape}")
     table = checked_indices(table.ravel(), surface.n_vertices, "pairs").reshape(-1, 2)
-    finder = _Finder(surface, metric, initial, tolerance)
+    finder = PathFinder(surface, metric_for(surface, metric, "cartesian"), initial, tolerance)
     return in_threads(
         lambda pair: finder(int(pair[0]), int(pair[1])),
         table,
@@ -184,10 +184,10 @@ def _find(
     return describe(taut, flat, start, end, mesh), first, length, lengths
 
 
-class _Finder:
+class PathFinder:
     """All that the paths of one surface and metric share."""
 
-    def __init__(self, surface: Surface, metric: LiftedMetric | None, initial: str, tolerance: float) -> None:
+    def __init__(self, surface: Surface, metric: LiftedMetric, initial: str, tolerance: float) -> None:
         if initial not in INITIAL:
             raise ParameterError(f"initial must be one of {', '.join(map(repr, INITIAL))}, got {initial!r}")
         if not 0.0 < tolerance < 1.0:
@@ -195,7 +195,7 @@ class _Finder:
         self.surface = surface
         self.exact = initial == "exact"
         self.tolerance = tolerance
-        self.mesh: UnfoldedMesh = unfolded((metric or cartesian_metric(surface)).intrinsic("a geodesic path"))
+        self.mesh: UnfoldedMesh = unfolded(metric.intrinsic("a geodesic path"))
 
     def __call__(self, start: int, end: int) -> GeodesicPath:
         if start == end:
