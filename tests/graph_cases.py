@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pygeodesic.geodesic as pygeodesic
 import shapes
-from scipy.spatial import Delaunay
 
 from qgeo_filters.geodesics.metric import LiftedMetric
 from qgeo_filters.surface import Surface
@@ -16,16 +15,10 @@ MANIFOLDS = {
     "torus": lambda: shapes.torus(30, 15),
     "open cylinder": lambda: shapes.cylinder(24, 12),
     "sharp cone": lambda: shapes.cone(20, 12, slope=12.0),
-    "irregular plane": lambda: random_plane(400, 0),
-    "anisotropic plane": lambda: (random_plane(400, 1)[0] * [50, 1, 1], random_plane(400, 1)[1]),
+    "irregular plane": lambda: shapes.terrain(400, 0),
+    "anisotropic plane": lambda: (shapes.terrain(400, 1)[0] * [50, 1, 1], shapes.terrain(400, 1)[1]),
     "Moebius band": lambda: shapes.moebius(30, 3),
 }
-
-
-def random_plane(n: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Delaunay triangulation of random points in the unit square, needles at its border included."""
-    points = np.random.default_rng(seed).random((n, 2))
-    return np.column_stack([points, np.zeros(n)]), Delaunay(points).simplices.astype(np.int32)
 
 
 def lifted_plane(weight: float, n: int = 15, seed: int = 0) -> tuple[LiftedMetric, np.ndarray]:

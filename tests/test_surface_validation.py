@@ -96,7 +96,7 @@ def test_boundary_loops_are_read_only():
 
 
 def test_input_is_copied():
-    v, f = icosphere(1)
+    v, f = (array.copy() for array in icosphere(1))
     a = np.zeros(len(v))
     surface = Surface(v, f, {"a": a})
     before = surface.vertices.copy()

@@ -9,7 +9,6 @@ import numpy as np
 import pygeodesic.geodesic as pygeodesic
 import pytest
 import shapes
-from scipy.spatial import Delaunay
 
 from qgeo_filters import Surface
 
@@ -37,31 +36,17 @@ def foreign_exact(request):
     return SOLVERS[request.param]
 
 
-def planar(n: int, seed: int, stretch: float = 1.0) -> Surface:
-    """Delaunay triangles over random points of a rectangle in the plane z = 0."""
-    points = np.random.default_rng(seed).uniform(size=(n, 2)) * [1.0, stretch]
-    faces = Delaunay(points).simplices.astype(np.int32)
-    return Surface(np.column_stack([points, np.zeros(n)]), faces)
-
-
-def rough(n: int, seed: int, roughness: float, stretch: float = 1.0) -> Surface:
-    """The same, each vertex at a random height: nearly every vertex is a saddle or a peak."""
-    flat = planar(n, seed, stretch)
-    heights = roughness * np.random.default_rng(seed + 1).normal(size=n)
-    return flat.with_vertices(flat.vertices + np.outer(heights, [0, 0, 1]))
-
-
 SURFACES = {
-    "plane": lambda: planar(250, 0),
+    "plane": lambda: Surface(*shapes.terrain(250, 0)),
     "sphere": lambda: Surface(*shapes.icosphere(3)),
     "blob": lambda: Surface(*shapes.blob(3, seed=2)),
     "torus": lambda: Surface(*shapes.torus(30, 16)),
     "cylinder": lambda: Surface(*shapes.cylinder(24, 12)),
     "cone": lambda: Surface(*shapes.cone(24, 12)),
     "moebius": lambda: Surface(*shapes.moebius(30, 4)),
-    "rough": lambda: rough(300, 1, 0.3),
-    "gentle": lambda: rough(300, 2, 0.02),
-    "anisotropic": lambda: rough(300, 3, 0.02, stretch=0.05),
+    "rough": lambda: Surface(*shapes.terrain(300, 1, 0.3)),
+    "gentle": lambda: Surface(*shapes.terrain(300, 2, 0.02)),
+    "anisotropic": lambda: Surface(*shapes.terrain(300, 3, 0.02, stretch=0.05)),
     "stretched blob": lambda: Surface(shapes.blob(3)[0] * [1, 6, 0.2], shapes.blob(3)[1]),
 }
 

@@ -7,7 +7,6 @@ import pytest
 import shapes
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.spatial import Delaunay
 
 from qgeo_filters import Surface
 from qgeo_filters.errors import MeshError, NonManifoldError
@@ -23,14 +22,6 @@ def exact(vertices: np.ndarray, faces: np.ndarray, sources: object = None) -> np
     surface = Surface(vertices, faces)
     chosen = np.arange(surface.n_vertices) if sources is None else sources
     return exact_distances(cartesian_metric(surface).intrinsic(), chosen)
-
-
-def terrain(n: int, seed: int, roughness: float, stretch: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
-    """Delaunay triangles over random points of a rectangle, at random heights."""
-    rng = np.random.default_rng(seed)
-    points = rng.uniform(size=(n, 2)) * [1.0, stretch]
-    faces = Delaunay(points).simplices.astype(np.int32)
-    return np.column_stack([points, roughness * rng.normal(size=n)]), faces
 
 
 def intrinsic_disc(angles: np.ndarray, rings: int) -> IntrinsicMesh:
@@ -149,7 +140,7 @@ class TestFormulas:
 
 class TestInvariances:
     def test_symmetric_and_a_metric(self):
-        vertices, faces = terrain(60, 3, 0.3)
+        vertices, faces = shapes.terrain(60, 3, 0.3)
         d = exact(vertices, faces)
         np.testing.assert_allclose(d, d.T, rtol=ROUNDING)
         assert (np.diagonal(d) == 0).all()
@@ -185,11 +176,11 @@ class TestInvariances:
 
     @pytest.mark.parametrize("scale", [1e-9, 1e9])
     def test_scale(self, scale):
-        vertices, faces = terrain(80, 5, 0.2)
+        vertices, faces = shapes.terrain(80, 5, 0.2)
         np.testing.assert_allclose(exact(scale * vertices, faces), scale * exact(vertices, faces), rtol=ROUNDING)
 
     def test_power_of_two_gives_the_same_bits(self):
-        vertices, faces = terrain(80, 5, 0.2)
+        vertices, faces = shapes.terrain(80, 5, 0.2)
         np.testing.assert_array_equal(exact(2.0**-30 * vertices, faces), 2.0**-30 * exact(vertices, faces))
 
     def test_threads_do_not_matter(self):

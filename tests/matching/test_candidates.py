@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pytest
-from shapes import icosphere
+from shapes import bent, limbed
 
 from qgeo_filters.matching.correspondence import _twin
 from qgeo_filters.matching.initialization.candidates import Candidate, between, candidates, mapped_points
@@ -19,16 +19,9 @@ from qgeo_filters.surface import Surface
 
 def lopsided(level: int, bend: float) -> Surface:
     """A body with two equal limbs, a longer tail and a bent back."""
-    vertices, faces = icosphere(level)
-    radius = np.full(len(vertices), 0.6)
-    for axis, length in (((0.7, 0.6, -0.4), 1.0), ((-0.7, 0.6, -0.4), 1.0), ((0, -1, 0.3), 0.7), ((0, 0.6, 0.8), 0.4)):
-        direction = np.array(axis) / np.linalg.norm(axis)
-        radius += length * np.exp(12 * (vertices @ direction - 1))
-    x, y, z = (vertices * radius[:, None]).T
-    turn = bend * y
-    return Surface(
-        np.column_stack([x, y * np.cos(turn) - z * np.sin(turn), y * np.sin(turn) + z * np.cos(turn)]), faces
-    )
+    directions = ((0.7, 0.6, -0.4), (-0.7, 0.6, -0.4), (0, -1, 0.3), (0, 0.6, 0.8))
+    vertices, faces = limbed(directions, (1.0, 1.0, 0.7, 0.4), level)
+    return Surface(bent(vertices, bend), faces)
 
 
 @functools.cache

@@ -6,7 +6,7 @@ import functools
 
 import numpy as np
 import pytest
-from shapes import grid, icosphere, moebius, torus
+from shapes import bent, creature, grid, icosphere, moebius, torus
 
 from qgeo_filters.errors import MeshError
 from qgeo_filters.evaluation.errors import geodesic_error
@@ -14,25 +14,6 @@ from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.surface import Surface
-
-
-def creature(level: int = 3) -> tuple[np.ndarray, np.ndarray]:
-    """A body with a head, a tail and four limbs, mirrored in x = 0 up to the numbering of its vertices."""
-    vertices, faces = icosphere(level)
-    limbs = [((0.6, 0.7, -0.6), 1.2), ((0.6, -0.7, -0.6), 0.9), ((0, 1, 0.4), 0.8), ((0, -1, 0.2), 0.5)]
-    radius = np.full(len(vertices), 0.6)
-    for direction, length in limbs:
-        for side in (-1, 1) if direction[0] else (1,):
-            axis = np.array(direction) * [side, 1, 1]
-            radius += length * np.exp(12 * (vertices @ (axis / np.linalg.norm(axis)) - 1))
-    return vertices * radius[:, None], faces
-
-
-def bent(vertices: np.ndarray, amount: float = 0.25) -> np.ndarray:
-    """The shape bent about the x axis, nearly without stretching."""
-    x, y, z = vertices.T
-    angle = amount * y
-    return np.column_stack([x, y * np.cos(angle) - z * np.sin(angle), y * np.sin(angle) + z * np.cos(angle)])
 
 
 @functools.cache
@@ -62,7 +43,7 @@ def test_the_identity_is_found_through_numbering_position_and_size() -> None:
 
 def test_a_bent_copy_is_matched_and_not_mirrored() -> None:
     vertices, faces = creature()
-    y = Surface(bent(vertices), faces)
+    y = Surface(bent(vertices, 0.25), faces)
     found = match(prepared(), y)
     truth = np.arange(len(vertices))
     error = geodesic_error(found.p2p, truth, y)
@@ -102,7 +83,7 @@ def test_no_single_symmetry_where_there_is_a_family(shape: tuple[np.ndarray, np.
 
 
 def test_the_same_call_gives_the_same_bits() -> None:
-    first, second = (self_symmetry(Surface(*creature(2))) for _ in range(2))
+    first, second = (self_symmetry(Surface(*creature(level=2))) for _ in range(2))
     assert np.array_equal(first.p2p, second.p2p)
     assert np.array_equal(first.asymmetry, second.asymmetry)
 
@@ -113,7 +94,7 @@ def test_what_cannot_be_matched_is_refused_with_a_sentence() -> None:
     with pytest.raises(MeshError, match="at least 60 vertices, got 16"):
         PreparedShape(Surface(*grid(3)))
     with pytest.raises(ValueError, match="weights is empty"):
-        PreparedShape(Surface(*creature(2)), weights=())
+        PreparedShape(Surface(*creature(level=2)), weights=())
     vertices, faces = creature()
     with pytest.raises(ValueError, match="normalize=True"):
         match(prepared(), Surface(2 * vertices, faces), normalize=False)
@@ -122,7 +103,7 @@ def test_what_cannot_be_matched_is_refused_with_a_sentence() -> None:
 
 
 def test_progress_names_the_stages_and_silence_is_silent(capfd: pytest.CaptureFixture[str]) -> None:
-    shape = PreparedShape(Surface(*creature(2)))
+    shape = PreparedShape(Surface(*creature(level=2)))
     match(shape, shape)
     assert capfd.readouterr().err == ""
     match(shape, shape, progress=True)
