@@ -27,7 +27,14 @@ FLOORS: list[list[str]] = [
     ["hosts"],
     ["differential"],
     # geodesics: the metric and what unfolds; methods of distances; paths; what users call; all of it compiled
-    ["geodesics.jit", "geodesics.metric", "geodesics.distance_solver", "geodesics.layout", "geodesics.unfolding"],
+    [
+        "geodesics.jit",
+        "geodesics.metric",
+        "geodesics.distance_solver",
+        "geodesics.layout",
+        "geodesics.unfolding",
+        "geodesics.distance_solver",
+    ],
     ["geodesics.dijkstra", "geodesics.dgg", "geodesics.mmp"],
     ["geodesics.path"],
     ["geodesics"],
