@@ -20,7 +20,17 @@ ROOT = Path(__file__).resolve().parents[1]
 # from its own.
 FLOORS: list[list[str]] = [
     ["_typing", "_deprecation", "_log", "defaults", "errors"],
-    ["atomic", "caching", "cholesky", "connectivity", "parallel", "sampling", "triangle_geometry", "validation"],
+    [
+        "atomic",
+        "caching",
+        "cholesky",
+        "connectivity",
+        "fingerprint",
+        "parallel",
+        "sampling",
+        "triangle_geometry",
+        "validation",
+    ],
     ["io"],
     ["repair"],
     ["surface"],

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
 import time
 import zipfile
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Literal
 
@@ -16,11 +14,11 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.atomic import atomic_write
-from qgeo_filters.caching import content_key
 from qgeo_filters.errors import QgeoError
 from qgeo_filters.evaluation.datasets import Dataset, NoTruthError, PointMap
 from qgeo_filters.evaluation.errors import SymmetricErrors, geodesic_error, symmetric_errors
 from qgeo_filters.evaluation.tables import PairResult
+from qgeo_filters.fingerprint import content_key
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.prepared_shape import PreparedShape
@@ -29,9 +27,6 @@ from qgeo_filters.parallel import default_workers, worker_count
 from qgeo_filters.surface import Surface
 
 What = Literal["match", "symmetry"]
-
-# Code on which a map depends: these rooms, and the loose files.
-_ROOMS = ("io", "repair", "hosts", "differential", "geodesics", "spectral", "deformation", "matching")
 
 
 @dataclass(frozen=True)
@@ -224,19 +219,4 @@ def _mirror(data: Dataset, name: str) -> PointMap | None:
 def _key(what: What, x: PreparedShape, y: PreparedShape, truth: PointMap, mirror: PointMap | None) -> str:
     shapes = [array for shape in (x.surface, y.surface) for array in (shape.vertices, shape.faces)]
     maps = [array for one in (truth, mirror) if one for array in (one.points, one.images)]
-    return content_key(what, code_digest(), shapes, maps)
-
-
-@cache
-def code_digest() -> str:
-    """Fingerprint of the numeric code: results of another version are not taken for this one's."""
-    digest = hashlib.sha256()
-    for file in numeric_sources():
-        digest.update(file.read_bytes())
-    return digest.hexdigest()
-
-
-def numeric_sources() -> list[Path]:
-    """Files on which a map or a distance depends."""
-    root = Path(__file__).parents[1]
-    return sorted([*root.glob("*.py"), *(file for room in _ROOMS for file in (root / room).rglob("*.py"))])
+    return content_key(what, shapes, maps)

@@ -7,13 +7,14 @@ from typing import Literal
 
 import numpy as np
 
-from qgeo_filters.caching import cache, content_key
+from qgeo_filters.caching import cache
 from qgeo_filters.defaults import CURVATURE_WEIGHT, EIGENPAIRS
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.geodesics import Method, MetricFilter
 from qgeo_filters.filters.registry import registered
+from qgeo_filters.fingerprint import content_key
 from qgeo_filters.spectral.distance_spectrum import Spectrum
 from qgeo_filters.spectral.laplacian import laplacian_spectrum
 from qgeo_filters.surface import Surface

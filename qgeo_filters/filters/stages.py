@@ -7,8 +7,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from qgeo_filters.caching import cache, content_key
+from qgeo_filters.caching import cache
 from qgeo_filters.differential.scalar import Scalar
+from qgeo_filters.fingerprint import content_key
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.matching.correspondence import MatchResult, match

@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 from typer.testing import Result
 
 import qgeo_filters as qg
+from qgeo_filters import fingerprint
 from qgeo_filters.evaluation import runner
 from qgeo_filters.matching.correspondence import match
 
@@ -137,7 +138,7 @@ def test_results_of_other_shapes_or_code_are_not_taken(
         shape.with_vertices(1.5 * shape.vertices).write(mesh)
     assert "earlier run" not in qgeo(*command).stderr
     assert "1 of 1 results" in qgeo(*command).stderr
-    monkeypatch.setattr(runner, "code_digest", lambda: "another version")
+    monkeypatch.setattr(fingerprint, "code_digest", lambda: "another version")
     assert "earlier run" not in qgeo(*command).stderr
     file.write_bytes(b"PK not an archive")
     assert "earlier run" not in qgeo(*command).stderr

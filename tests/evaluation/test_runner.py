@@ -15,6 +15,7 @@ from test_house import ARROWS, MODULES
 
 from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.evaluation import Dataset, PairFailure, PairResult, PointMap, measured, runner
+from qgeo_filters.fingerprint import numeric_sources
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.parallel import available_cores, worker_count
@@ -59,7 +60,7 @@ def test_kept_results_know_all_code_that_they_depend_on() -> None:
             needed.add(module)
             waiting += [arrow.imported for arrow in ARROWS if arrow.importer == module and not arrow.typing_only]
     root = Path(runner.__file__).parents[1]
-    known = {".".join(file.relative_to(root).with_suffix("").parts) for file in runner.numeric_sources()}
+    known = {".".join(file.relative_to(root).with_suffix("").parts) for file in numeric_sources()}
     assert needed <= known
     assert len(needed) > 40
     assert not {name for name in known & set(MODULES) if name.startswith(("report", "cli"))}
