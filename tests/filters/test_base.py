@@ -120,6 +120,9 @@ class _Broken(Filter):
             return {"qgeo_other": np.zeros(surface.n_vertices)}
         if self.how == "random":
             return {"qgeo_broken": np.random.default_rng().normal(size=surface.n_vertices)}
+        if self.how == "kept random":
+            kept = qg.cache.get("broken-random", lambda: np.random.default_rng().normal(size=surface.n_vertices))
+            return {"qgeo_broken": kept}
         if self.how == "nan":
             return {"qgeo_broken": np.full(surface.n_vertices, np.nan)}
         if self.how == "parameter":
@@ -137,6 +140,7 @@ def test_the_suite_accepts_a_good_filter() -> None:
         ("constructor", "sets more than its parameters"),
         ("names", "outputs declares"),
         ("random", "two calls disagree"),
+        ("kept random", "two calls disagree"),  # which the cache hid
         ("nan", "holds NaN"),
         ("parameter", "changed the parameter how"),
     ],
