@@ -18,7 +18,6 @@ from qgeo_filters.geodesics.metric import LiftedMetric
 from qgeo_filters.geodesics.path.paths import GeodesicPath, quasi_geodesic
 from qgeo_filters.surface import Surface
 
-Method = Literal["graph", "exact", "edges"]
 PathMethod = Literal["exact", "edges"]
 PATH_METHODS = get_args(PathMethod)
 
@@ -34,8 +33,8 @@ class MetricFilter(Filter):
         lambda, a fraction of sqrt(area) for each standard deviation of f; 0 is the Cartesian metric.
     smoothing : float
         Length over which f is averaged, as a fraction of sqrt(area).
-    method : {"graph", "exact", "edges"}
-        How distances are computed, see `distances`.
+    method : str
+        How distances are computed: ``"graph"``, ``"exact"``, ``"edges"`` or a method of `register_method`.
     accuracy : float
         Relative error bound of the graph method.
     """
@@ -49,7 +48,7 @@ class MetricFilter(Filter):
         scalar: Scalar = "mean_curvature",
         curvature_weight: float = CURVATURE_WEIGHT,
         smoothing: float = 0.0,
-        method: Method = "graph",
+        method: str = "graph",
         accuracy: float = 1e-3,
     ) -> None:
         self.scalar = scalar
@@ -84,7 +83,7 @@ class QuasiGeodesicDistances(MetricFilter):
         scalar: Scalar = "mean_curvature",
         curvature_weight: float = CURVATURE_WEIGHT,
         smoothing: float = 0.0,
-        method: Method = "graph",
+        method: str = "graph",
         accuracy: float = 1e-3,
     ) -> None:
         super().__init__(

@@ -12,7 +12,7 @@ from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
-from qgeo_filters.filters.geodesics import Method, MetricFilter
+from qgeo_filters.filters.geodesics import MetricFilter
 from qgeo_filters.filters.registry import registered
 from qgeo_filters.hosts.dispatch import as_surface
 from qgeo_filters.matching.correspondence import MatchResult
@@ -71,7 +71,7 @@ class SelfSymmetry(MetricFilter):
         scalar: Scalar = "mean_curvature",
         curvature_weight: float = CURVATURE_WEIGHT,
         smoothing: float = 0.0,
-        method: Method = "graph",
+        method: str = "graph",
         accuracy: float = 1e-3,
     ) -> None:
         super().__init__(

@@ -12,7 +12,7 @@ from qgeo_filters.defaults import CURVATURE_WEIGHT, EIGENPAIRS
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
-from qgeo_filters.filters.geodesics import Method, MetricFilter
+from qgeo_filters.filters.geodesics import MetricFilter
 from qgeo_filters.filters.registry import registered
 from qgeo_filters.fingerprint import content_key
 from qgeo_filters.spectral.distance_spectrum import Spectrum
@@ -52,7 +52,7 @@ class QuasiGeodesicSpectrum(MetricFilter):
         mass: Literal["area", "uniform"] = "area",
         landmarks: int | None = None,
         smoothing: float = 0.0,
-        method: Method = "graph",
+        method: str = "graph",
         accuracy: float = 1e-3,
     ) -> None:
         super().__init__(

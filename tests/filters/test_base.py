@@ -13,6 +13,8 @@ from shapes import bow_tie, icosphere
 import qgeo_filters as qg
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.registry import registered_filters
+from qgeo_filters.geodesics import methods
+from qgeo_filters.geodesics.dijkstra import EdgeDistances
 from qgeo_filters.parallel import worker_count
 from qgeo_filters.testing import check_filter, sample_surface
 
@@ -251,6 +253,14 @@ def test_the_path_is_as_long_as_the_distance_and_lies_in_the_marked_triangles() 
     assert filter.path_.length == pytest.approx(exact[120], rel=1e-9)
     assert marks[[5, 120]].tolist() == [1, 1]
     assert 0 < marks.sum() < surface.n_vertices
+
+
+def test_a_method_of_ones_own_is_known_to_filters(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(methods, "METHODS", dict(methods.METHODS))
+    qg.register_method("on foot", EdgeDistances.of)
+    for kind, name in ((qg.QuasiGeodesicDistances, "qgeo_distance"), (qg.QuasiGeodesicSpectrum, "qgeo_phi")):
+        own, edges = (kind(method=method)(sample_surface()).attributes[name] for method in ("on foot", "edges"))
+        assert np.array_equal(own, edges)
 
 
 def test_the_first_path_can_be_sought_along_edges() -> None:
