@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.geodesics import MetricFilter
 from qgeo_filters.filters.registry import registered
 from qgeo_filters.fingerprint import content_key
-from qgeo_filters.spectral.distance_spectrum import Spectrum
+from qgeo_filters.spectral.distance_spectrum import Mass, Spectrum
 from qgeo_filters.spectral.laplacian import laplacian_spectrum
 from qgeo_filters.surface import Surface
 
@@ -49,7 +48,7 @@ class QuasiGeodesicSpectrum(MetricFilter):
         k: int = EIGENPAIRS,
         scalar: Scalar = "mean_curvature",
         curvature_weight: float = CURVATURE_WEIGHT,
-        mass: Literal["area", "uniform"] = "area",
+        mass: Mass = "area",
         landmarks: int | None = None,
         smoothing: float = 0.0,
         method: str = "graph",
