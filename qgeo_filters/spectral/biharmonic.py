@@ -7,9 +7,9 @@ from collections.abc import Callable
 import igl
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.cholesky import factorised_spd
 from qgeo_filters.geodesics.metric import LiftedMetric
 
 Product = Callable[[FloatArray], FloatArray]
@@ -41,12 +41,7 @@ def biharmonic_interpolation(metric: LiftedMetric, points: IndexArray) -> tuple[
     # The orderings that come with SuperLU take minutes where nested dissection takes a second.
     unknown = unknown[_nested_dissection(energy[unknown][:, unknown], metric.surface.vertices[unknown])]
     coupling = energy[unknown][:, points]
-    solve = splu(
-        energy[unknown][:, unknown].tocsc(),
-        permc_spec="NATURAL",
-        diag_pivot_thresh=0.0,  # positive definite: no pivoting
-        options={"SymmetricMode": True},
-    ).solve
+    solve = factorised_spd(energy[unknown][:, unknown].tocsc(), ordering="NATURAL")
 
     def spread(values: FloatArray) -> FloatArray:
         result = np.empty((n, values.shape[1]))

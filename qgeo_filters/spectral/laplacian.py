@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import robust_laplacian
 from scipy import sparse
-from scipy.sparse.linalg import LinearOperator, splu
+from scipy.sparse.linalg import LinearOperator
 
+from qgeo_filters.cholesky import factorised_spd
 from qgeo_filters.spectral.deflated_lanczos import largest_eigenpairs
 from qgeo_filters.spectral.distance_spectrum import Spectrum, check_areas, check_count
 from qgeo_filters.surface import Surface
@@ -57,9 +58,8 @@ def laplacian_spectrum(surface: Surface, k: int = 20) -> Spectrum:
     scale = sparse.diags_array(1 / root)
     symmetric = scale @ stiffness @ scale
     # The smallest eigenvalues are the largest of the inverse, moved off zero.
-    # Positive definite: the order that fills in least needs no pivots.
     moved = (symmetric + _SHIFT * sparse.eye_array(n)).tocsc()
-    solve = splu(moved, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve
+    solve = factorised_spd(moved)
     inverse = LinearOperator((n, n), matvec=solve, matmat=solve, dtype=np.float64)
     inverted, vectors = largest_eigenpairs(inverse, k)
     # The smallest is zero and comes out as rounding of either sign.

@@ -1,0 +1,53 @@
+"""Factorisations of positive definite matrices: right, as they were, and dropped where they were made."""
+
+from __future__ import annotations
+
+import gc
+import logging
+import pickle
+import threading
+
+import igl
+import numpy as np
+import pytest
+from scipy import sparse
+from scipy.sparse.linalg import splu
+from shapes import blob
+
+from qgeo_filters.cholesky import factorised_spd
+
+
+@pytest.fixture(scope="module")
+def system() -> sparse.csc_matrix:
+    vertices, faces = blob(2)
+    stiffness = -igl.cotmatrix(vertices, faces.astype(np.int64))
+    return sparse.csc_matrix(stiffness + 0.1 * sparse.eye_array(len(vertices)))
+
+
+@pytest.mark.parametrize("ordering", ["MMD_AT_PLUS_A", "NATURAL"])
+@pytest.mark.parametrize("columns", [(), (3,)])
+def test_solutions_are_those_of_superlu_bit_for_bit(system, ordering, columns) -> None:
+    right = np.random.default_rng(0).normal(size=(system.shape[0], *columns))
+    solve = factorised_spd(system, ordering)
+    same = splu(system, permc_spec=ordering, diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve(right)
+    np.testing.assert_array_equal(solve(right), same)
+    np.testing.assert_allclose(system @ solve(right), right, atol=1e-10)
+
+
+def test_dropped_in_another_thread_it_says_so(system, caplog: pytest.LogCaptureFixture) -> None:
+    def drop(held: list) -> None:
+        held.clear()
+        gc.collect()
+
+    with caplog.at_level(logging.WARNING, "qgeo_filters"):
+        drop([factorised_spd(system)])
+        assert not caplog.records
+        thread = threading.Thread(target=drop, args=([factorised_spd(system)],))
+        thread.start()
+        thread.join()
+    assert "162 unknowns was dropped in another thread" in caplog.text
+
+
+def test_it_cannot_be_pickled(system) -> None:
+    with pytest.raises(TypeError, match="factorise again"):
+        pickle.dumps(factorised_spd(system))
