@@ -28,7 +28,7 @@ from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.matching.initialization.sign_search import search
 from qgeo_filters.matching.prepared_shape import MetricView, farthest_rows
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
-from qgeo_filters.spectral.distance_spectrum import spectrum_of_matrix
+from qgeo_filters.spectral.spectrum import spectrum_of_matrix
 from qgeo_filters.surface import Surface
 
 SCALARS = ("mean_curvature", "gaussian_curvature", "curvedness")

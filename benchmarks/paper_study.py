@@ -24,7 +24,8 @@ from qgeo_filters.evaluation.runner import PairStore
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.report.html import Table
-from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum
+from qgeo_filters.spectral.distance_spectrum import distance_spectrum
+from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
 
 TUNING = ("cat", "dog", "centaur")

@@ -21,8 +21,8 @@ from qgeo_filters import Surface
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.spectral.canonical import subspace_sine
-from qgeo_filters.spectral.distance_spectrum import spectrum_of_matrix
 from qgeo_filters.spectral.landmarks import farthest_points, landmark_operator
+from qgeo_filters.spectral.spectrum import spectrum_of_matrix
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from shapes import blob

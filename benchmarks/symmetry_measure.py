@@ -19,7 +19,7 @@ from qgeo_filters import Surface, distance_spectrum
 from qgeo_filters.evaluation import ToscaRemeshed
 from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.matching.symmetry_measure import Reading, symmetry_epsilon
-from qgeo_filters.spectral.distance_spectrum import Spectrum
+from qgeo_filters.spectral.spectrum import Spectrum
 
 READINGS: tuple[Reading, ...] = ("printed", "even", "absolute")
 TABLE_1 = {

@@ -73,10 +73,10 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .spectral.commutative import commutative_eigenspectra as commutative_eigenspectra
     from .spectral.commutative import commutator_norm as commutator_norm
     from .spectral.commutative import joint_diagonalizer as joint_diagonalizer
-    from .spectral.distance_spectrum import Spectrum as Spectrum
     from .spectral.distance_spectrum import distance_spectrum as distance_spectrum
     from .spectral.landmarks import landmark_spectrum as landmark_spectrum
     from .spectral.laplacian import laplacian_spectrum as laplacian_spectrum
+    from .spectral.spectrum import Spectrum as Spectrum
     from .surface import Surface as Surface
 
 __version__ = "0.1.0"
@@ -116,7 +116,7 @@ _HOME = {
     "landmark_spectrum": "spectral.landmarks",
     "streamed_spectrum": "spectral.block_krylov",
     "laplacian_spectrum": "spectral.laplacian",
-    "Spectrum": "spectral.distance_spectrum",
+    "Spectrum": "spectral.spectrum",
     "self_symmetry": "matching.symmetry",
     "Symmetry": "matching.symmetry",
     "match": "matching.correspondence",

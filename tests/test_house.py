@@ -73,9 +73,7 @@ FLOORS: list[list[str]] = [
 KNOWN_ARROWS_UP = {
     ("matching.initialization.candidates", "matching.smooth_shells"): "matching",
 }
-KNOWN_CIRCLES = {
-    ("spectral.distance_spectrum", "spectral.landmarks"): "matching",
-}
+KNOWN_CIRCLES = {}
 # file of tests or benchmarks, name: who mends it
 KNOWN_LOANS = {
     ("benchmarks/matching_choice.py", "_close"): "matching",

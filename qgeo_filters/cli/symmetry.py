@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from qgeo_filters.cli.job import Job
     from qgeo_filters.matching.symmetry import Symmetry
     from qgeo_filters.matching.symmetry_measure import Reading
-    from qgeo_filters.spectral.distance_spectrum import Spectrum
+    from qgeo_filters.spectral.spectrum import Spectrum
     from qgeo_filters.surface import Surface
 
 DEFAULT_K0 = 6

@@ -18,7 +18,7 @@ from qgeo_filters.hosts.dispatch import as_surface
 from qgeo_filters.matching.correspondence import MatchResult
 from qgeo_filters.matching.symmetry import Symmetry
 from qgeo_filters.matching.symmetry_measure import Reading, symmetry_epsilon, symmetry_regions, symmetry_sum
-from qgeo_filters.spectral.distance_spectrum import Spectrum
+from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
 
 

@@ -14,8 +14,8 @@ from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.geodesics import MetricFilter
 from qgeo_filters.filters.registry import registered
 from qgeo_filters.fingerprint import content_key
-from qgeo_filters.spectral.distance_spectrum import Mass, Spectrum
 from qgeo_filters.spectral.laplacian import laplacian_spectrum
+from qgeo_filters.spectral.spectrum import Mass, Spectrum
 from qgeo_filters.surface import Surface
 
 

@@ -15,7 +15,8 @@ from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.matching.correspondence import MatchResult, match
 from qgeo_filters.matching.prepared_shape import METRIC_WEIGHTS, PreparedShape, check_same_size
 from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
-from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum
+from qgeo_filters.spectral.distance_spectrum import distance_spectrum
+from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
 
 

@@ -25,7 +25,8 @@ from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.spectral.commutative import Normalization, commutative_eigenspectra, spectral_distance
-from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum
+from qgeo_filters.spectral.distance_spectrum import distance_spectrum
+from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices, frozen
 

@@ -17,8 +17,8 @@ from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.sampling import farthest_by_distances
-from qgeo_filters.spectral.distance_spectrum import Spectrum, check_areas, spectrum_of_matrix
 from qgeo_filters.spectral.laplacian import laplacian_spectrum
+from qgeo_filters.spectral.spectrum import Spectrum, check_areas, spectrum_of_matrix
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
 

@@ -30,7 +30,7 @@ import numpy.typing as npt
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.spectral.canonical import is_antisymmetric
-from qgeo_filters.spectral.distance_spectrum import Spectrum
+from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.validation import checked_indices
 
 Reading = Literal["absolute", "even", "printed"]

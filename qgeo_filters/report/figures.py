@@ -22,7 +22,7 @@ from qgeo_filters.validation import checked_index
 
 if TYPE_CHECKING:
     from qgeo_filters.geodesics.path.paths import GeodesicPath
-    from qgeo_filters.spectral.distance_spectrum import Spectrum
+    from qgeo_filters.spectral.spectrum import Spectrum
 
 __all__ = [
     "plot_attribute",

@@ -12,8 +12,8 @@ from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import Metric, metric_for
 from qgeo_filters.geodesics.operator import DistanceOperator
-from qgeo_filters.spectral.distance_spectrum import Spectrum, check_areas, check_count
 from qgeo_filters.spectral.landmarks import farthest_points
+from qgeo_filters.spectral.spectrum import Spectrum, check_areas, check_count
 from qgeo_filters.surface import Surface
 
 

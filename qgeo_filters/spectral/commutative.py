@@ -18,8 +18,8 @@ from scipy.optimize import linear_sum_assignment
 
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
-from qgeo_filters.spectral.distance_spectrum import Spectrum
 from qgeo_filters.spectral.joint_diagonalization import commutator_norm, joint_diagonalizer
+from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.validation import checked_indices, frozen
 
 __all__ = [

@@ -13,7 +13,7 @@ from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric, Metric, metric_for
 from qgeo_filters.sampling import farthest_on_edges
 from qgeo_filters.spectral.biharmonic import biharmonic_interpolation
-from qgeo_filters.spectral.distance_spectrum import (
+from qgeo_filters.spectral.spectrum import (
     Mass,
     Spectrum,
     check_areas,

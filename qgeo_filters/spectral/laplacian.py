@@ -9,7 +9,7 @@ from scipy.sparse.linalg import LinearOperator
 
 from qgeo_filters.cholesky import factorised_spd
 from qgeo_filters.spectral.deflated_lanczos import largest_eigenpairs
-from qgeo_filters.spectral.distance_spectrum import Spectrum, check_areas, check_count
+from qgeo_filters.spectral.spectrum import Spectrum, check_areas, check_count
 from qgeo_filters.surface import Surface
 
 # Shift below zero, in units of 1 / area: the first eigenvalue is 0 and the next is of the order of 10.

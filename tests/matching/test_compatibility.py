@@ -10,7 +10,7 @@ from shapes import blob
 
 from qgeo_filters.evaluation import ToscaRemeshed
 from qgeo_filters.matching.compatibility import compatibility, compatibility_of_spectra
-from qgeo_filters.spectral.distance_spectrum import Spectrum
+from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
 
 

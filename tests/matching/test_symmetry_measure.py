@@ -9,7 +9,7 @@ from shapes import blob, icosphere
 
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.matching.symmetry_measure import epsilon_bound, symmetry_epsilon, symmetry_regions, symmetry_sum
-from qgeo_filters.spectral.distance_spectrum import Spectrum, spectrum_of_matrix
+from qgeo_filters.spectral.spectrum import Spectrum, spectrum_of_matrix
 from qgeo_filters.surface import Surface
 
 READINGS = ("absolute", "even", "printed")

@@ -13,7 +13,7 @@ from qgeo_filters.spectral.commutative import (
     operator_on_x,
     spectral_distance,
 )
-from qgeo_filters.spectral.distance_spectrum import Spectrum, spectrum_of_matrix
+from qgeo_filters.spectral.spectrum import Spectrum, spectrum_of_matrix
 from qgeo_filters.surface import Surface
 
 

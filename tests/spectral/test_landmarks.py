@@ -13,8 +13,9 @@ from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import cartesian_metric, lifted_metric
 from qgeo_filters.spectral.biharmonic import biharmonic_interpolation, intrinsic_laplacian
 from qgeo_filters.spectral.canonical import subspace_sine
-from qgeo_filters.spectral.distance_spectrum import distance_spectrum, spectrum_of_matrix
+from qgeo_filters.spectral.distance_spectrum import distance_spectrum
 from qgeo_filters.spectral.landmarks import farthest_points, landmark_operator, landmark_spectrum
+from qgeo_filters.spectral.spectrum import spectrum_of_matrix
 from qgeo_filters.surface import Surface
 
 

@@ -17,7 +17,8 @@ from qgeo_filters.errors import DisconnectedError, MeshError
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.spectral.canonical import subspace_sine
-from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum, spectrum_of_matrix
+from qgeo_filters.spectral.distance_spectrum import distance_spectrum
+from qgeo_filters.spectral.spectrum import Spectrum, spectrum_of_matrix
 from qgeo_filters.surface import Surface
 
 

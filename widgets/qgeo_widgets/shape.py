@@ -15,7 +15,8 @@ from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.hosts.dispatch import as_surface
-from qgeo_filters.spectral.distance_spectrum import Spectrum, distance_spectrum
+from qgeo_filters.spectral.distance_spectrum import distance_spectrum
+from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
 
 EIGENFUNCTIONS = 20
