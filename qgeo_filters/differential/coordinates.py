@@ -10,15 +10,16 @@ from scipy import sparse
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.surface import Surface
 
 
-def differential_coordinates(surface: Surface, weights: Literal["uniform", "cotangent"] = "uniform") -> FloatArray:
+def differential_coordinates(surface: SurfaceLike, weights: Literal["uniform", "cotangent"] = "uniform") -> FloatArray:
     r"""Differential coordinate of each vertex, shape (n, 3).
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
     weights : {"uniform", "cotangent"}
         ``"uniform"``: :math:`\delta_i = x_i - \frac{1}{|N(i)|} \sum_{j \in N(i)} x_j`, a length in the unit of the
         vertices; it depends on how the surface is sampled.
@@ -43,6 +44,7 @@ def differential_coordinates(surface: Surface, weights: Literal["uniform", "cota
     Das and Bhandarkar, CVPR Workshops 2018, sec. 4. Meyer, Desbrun, Schroeder, Barr, "Discrete
     differential-geometry operators for triangulated 2-manifolds", VisMath 2002 (the cotangent form).
     """
+    surface = as_surface(surface)
     if weights == "uniform":
         return _umbrella(surface)
     if weights == "cotangent":

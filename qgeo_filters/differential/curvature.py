@@ -15,6 +15,7 @@ from qgeo_filters.differential.coordinates import (
     spread_to_neighbours,
 )
 from qgeo_filters.errors import MeshError, ParameterError
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.surface import Surface
 
 
@@ -79,12 +80,12 @@ def gaussian_curvature(surface: Surface) -> FloatArray:
     return from_inside(surface, defect)
 
 
-def principal_curvatures(surface: Surface, radius: int = 5) -> PrincipalCurvatures:
+def principal_curvatures(surface: SurfaceLike, radius: int = 5) -> PrincipalCurvatures:
     """Principal curvatures and directions of quadrics fitted to neighbourhoods, by libigl.
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
     radius : int
         Rings of neighbours that a quadric is fitted to, at least 2.
 
@@ -107,6 +108,7 @@ def principal_curvatures(surface: Surface, radius: int = 5) -> PrincipalCurvatur
     ----------
     Panozzo, Puppo, Rocca, "Efficient multi-scale curvature and crease estimation", 2010 (`igl.principal_curvature`).
     """
+    surface = as_surface(surface)
     if not isinstance(radius, (int, np.integer)) or radius < 2:
         raise ParameterError(f"radius is a number of rings, at least 2, got {radius!r}")
     _require_orientation(surface, "the sign of the principal curvatures")

@@ -7,18 +7,18 @@ from scipy.optimize import nnls
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.differential.coordinates import differential_coordinates
-from qgeo_filters.surface import Surface
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 
 # Below this fraction of the vertex's edges, a differential coordinate has no direction but rounding.
 _VANISHING = 1e-9
 
 
-def vertex_normals(surface: Surface, corrected: bool = True) -> FloatArray:
+def vertex_normals(surface: SurfaceLike, corrected: bool = True) -> FloatArray:
     r"""Unit normal of each vertex, shape (n, 3).
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
     corrected : bool
         True: the direction of the uniform differential coordinate, turned to the side of the angle-weighted
         normal and projected on the convex cone that the normals :math:`n_f` of the incident faces span,
@@ -35,6 +35,7 @@ def vertex_normals(surface: Surface, corrected: bool = True) -> FloatArray:
     ----------
     Das and Bhandarkar, CVPR Workshops 2018, sec. 4 and Fig. 2(d).
     """
+    surface = as_surface(surface)
     weighted = surface.vertex_normals
     if not corrected:
         return weighted

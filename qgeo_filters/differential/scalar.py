@@ -19,6 +19,7 @@ from qgeo_filters.differential.curvature import (
     principal_curvatures,
 )
 from qgeo_filters.errors import MeshError, ParameterError
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import listed
 
@@ -44,7 +45,7 @@ _ROUNDING = 1e-10
 
 
 def surface_scalar(
-    surface: Surface,
+    surface: SurfaceLike,
     scalar: Scalar = "mean_curvature",
     *,
     clip: tuple[float, float] | None = (2, 98),
@@ -54,7 +55,7 @@ def surface_scalar(
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
     scalar : str, array-like of shape (n,), or callable
         One of
 
@@ -94,6 +95,7 @@ def surface_scalar(
     -----
     Vertices at the boundary, which see one side only, take built-in values from inside (`from_inside`).
     """
+    surface = as_surface(surface)
     if not surface.area > 0:
         raise MeshError("a surface scalar needs a surface of positive area; all triangles are degenerate")
     if not 0 <= smoothing < np.inf:

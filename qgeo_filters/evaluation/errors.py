@@ -12,6 +12,7 @@ import numpy.typing as npt
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices, frozen
 
@@ -81,7 +82,7 @@ class SymmetricErrors:
 def geodesic_error(
     p2p: npt.ArrayLike,
     truth: npt.ArrayLike,
-    y: Surface,
+    y: SurfaceLike,
     normalization: Normalization = "sqrt_area",
     *,
     matrix: Any = None,
@@ -94,7 +95,7 @@ def geodesic_error(
         Vertex of Y for each point.
     truth : array-like of int, shape (n,)
         The true one.
-    y : Surface
+    y : Surface, or whatever `as_surface` takes
     normalization : {"sqrt_area", "diameter", "none"}
         Divide by the square root of Y's area (the Princeton protocol), by Y's geodesic diameter (about 1.5 times as
         large, so that errors look smaller; it takes all distances), or not at all. Never mix them in one table.
@@ -110,6 +111,7 @@ def geodesic_error(
     ----------
     Kim, Lipman, Funkhouser, "Blended intrinsic maps", SIGGRAPH 2011, for the protocol.
     """
+    y = as_surface(y)
     image, target = checked_indices(p2p, y.n_vertices, "p2p"), checked_indices(truth, y.n_vertices, "truth")
     if image.shape != target.shape:
         raise ParameterError(f"p2p and truth must be of one length, got {len(image)} and {len(target)}")
@@ -129,7 +131,7 @@ def geodesic_error(
 
 
 def symmetric_errors(
-    p2p: npt.ArrayLike, truth: npt.ArrayLike, symmetry: npt.ArrayLike, y: Surface, *, matrix: Any = None
+    p2p: npt.ArrayLike, truth: npt.ArrayLike, symmetry: npt.ArrayLike, y: SurfaceLike, *, matrix: Any = None
 ) -> SymmetricErrors:
     """Errors against the truth and against the mirrored truth, in units of sqrt(area).
 
@@ -139,9 +141,10 @@ def symmetric_errors(
         As in `geodesic_error`.
     symmetry : array-like of int, shape (n_Y,)
         True left/right map of Y.
-    y : Surface
+    y : Surface, or whatever `as_surface` takes
     matrix : array-like, shape (n_Y, n_Y), optional
     """
+    y = as_surface(y)
     mirror = checked_indices(symmetry, y.n_vertices, "symmetry")
     if len(mirror) != y.n_vertices:
         raise ParameterError(f"symmetry must hold a vertex for each of the {y.n_vertices} of Y, got {len(mirror)}")
@@ -151,7 +154,7 @@ def symmetric_errors(
 
 
 def mirrored(
-    p2p: npt.ArrayLike, truth: npt.ArrayLike, symmetry: npt.ArrayLike, y: Surface, *, matrix: Any = None
+    p2p: npt.ArrayLike, truth: npt.ArrayLike, symmetry: npt.ArrayLike, y: SurfaceLike, *, matrix: Any = None
 ) -> bool:
     """Whether a map is nearer, in the mean, to the mirrored truth than to the truth; see `symmetric_errors`."""
     return symmetric_errors(p2p, truth, symmetry, y, matrix=matrix).mirrored

@@ -10,11 +10,11 @@ import numpy.typing as npt
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.geodesics.metric import Metric, metric_for
 from qgeo_filters.geodesics.solver import GeodesicSolver
-from qgeo_filters.surface import Surface
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 
 
 def distances(
-    surface: Surface,
+    surface: SurfaceLike,
     sources: npt.ArrayLike,
     metric: Metric | None = "cartesian",
     method: str = "graph",
@@ -27,7 +27,7 @@ def distances(
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
         Manifold, in any number of pieces, orientable or not.
     sources : array-like of int, shape (s,)
         Vertices, in any order, repeated ones too.
@@ -65,13 +65,14 @@ def distances(
     Wang, Fang, Xin, He, et al., "Discrete geodesic graph (DGG) for computing geodesic distances on discrete
     surfaces", Computer Aided Geometric Design 52-53, 2017.
     """
+    surface = as_surface(surface)
     chosen = metric_for(surface, metric, "cartesian")
     solver = GeodesicSolver(surface, chosen, method, accuracy=accuracy, workers=workers)
     return solver.distances(sources, progress=progress)
 
 
 def distance_matrix(
-    surface: Surface,
+    surface: SurfaceLike,
     metric: Metric | None = "cartesian",
     method: str = "graph",
     *,
@@ -104,6 +105,7 @@ def distance_matrix(
     OSError
         ``out`` cannot be written, or the disk is full; what was written stays usable.
     """
+    surface = as_surface(surface)
     chosen = metric_for(surface, metric, "cartesian")
     solver = GeodesicSolver(surface, chosen, method, accuracy=accuracy, workers=workers)
     return solver.distance_matrix(out=out, progress=progress)

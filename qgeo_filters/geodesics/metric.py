@@ -13,6 +13,7 @@ from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar, surface_scalar
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
 
@@ -80,14 +81,15 @@ class LiftedMetric:
 Metric = LiftedMetric | Literal["cartesian", "lifted"]
 
 
-def cartesian_metric(surface: Surface) -> LiftedMetric:
+def cartesian_metric(surface: SurfaceLike) -> LiftedMetric:
     """The metric of the surface itself: weight 0, the paper's baseline [47]."""
+    surface = as_surface(surface)
     return LiftedMetric(surface, np.zeros(surface.n_vertices), 0.0, surface.edge_lengths)
 
 
 @renamed_parameters(weight="curvature_weight")
 def lifted_metric(
-    surface: Surface,
+    surface: SurfaceLike,
     scalar: Scalar = "mean_curvature",
     curvature_weight: float = CURVATURE_WEIGHT,
     *,
@@ -97,7 +99,7 @@ def lifted_metric(
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
     scalar : str, array-like of shape (n,), or callable
         f, see `surface_scalar`: clipped, and scaled to unit standard deviation over the area.
     curvature_weight : float
@@ -116,6 +118,7 @@ def lifted_metric(
     ParameterError
         Weight negative or not finite, or what `surface_scalar` refuses.
     """
+    surface = as_surface(surface)
     if not 0 <= curvature_weight < np.inf:
         raise ParameterError(
             f"the weight of the scalar in the metric must be a number, 0 or more, got {curvature_weight!r}"

@@ -10,8 +10,8 @@ from scipy.sparse.linalg import LinearOperator
 
 from qgeo_filters.geodesics.dgg.graph import graph_of
 from qgeo_filters.geodesics.metric import Metric, metric_for
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.parallel import GROUP, run_tasks, worker_count
-from qgeo_filters.surface import Surface
 
 
 class DistanceOperator(LinearOperator):
@@ -46,13 +46,14 @@ class DistanceOperator(LinearOperator):
 
     def __init__(
         self,
-        surface: Surface,
+        surface: SurfaceLike,
         metric: Metric | None = "cartesian",
         *,
         accuracy: float = 1e-3,
         workers: int | None = None,
         progress: bool = False,
     ) -> None:
+        surface = as_surface(surface)
         chosen = metric_for(surface, metric, "cartesian")
         surface.require_connected("the distance operator")
         self.workers = worker_count(workers)

@@ -15,8 +15,8 @@ from qgeo_filters.geodesics.distance_solver import DistanceSolver, all_distances
 from qgeo_filters.geodesics.methods import method_named
 from qgeo_filters.geodesics.metric import Metric, metric_for
 from qgeo_filters.geodesics.path.paths import GeodesicPath, PathFinder
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.parallel import worker_count
-from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_index, checked_indices
 
 
@@ -25,7 +25,7 @@ class GeodesicSolver:
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
         Manifold, in any number of pieces, orientable or not.
     metric : LiftedMetric, "cartesian" or "lifted"
         By name: the surface's own metric, or `lifted_metric` as it is.
@@ -54,13 +54,14 @@ class GeodesicSolver:
 
     def __init__(
         self,
-        surface: Surface,
+        surface: SurfaceLike,
         metric: Metric = "cartesian",
         method: str = "graph",
         *,
         accuracy: float = 1e-3,
         workers: int | None = None,
     ) -> None:
+        surface = as_surface(surface)
         self.surface = surface
         self.metric = metric_for(surface, metric, "cartesian")
         self.method = method

@@ -24,6 +24,7 @@ from scipy.optimize import linear_sum_assignment
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.metric import lifted_metric
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.spectral.commutative import Normalization, commutative_eigenspectra, spectral_distance
 from qgeo_filters.spectral.distance_spectrum import distance_spectrum
 from qgeo_filters.spectral.spectrum import Spectrum
@@ -65,7 +66,7 @@ class Compatibility:
 
 
 def compatibility(
-    surfaces: Sequence[Surface],
+    surfaces: Sequence[SurfaceLike],
     baselines: tuple[int, int] = (0, 1),
     *,
     k: int = 20,
@@ -78,7 +79,7 @@ def compatibility(
 
     Parameters
     ----------
-    surfaces : sequence of Surface
+    surfaces : sequence of Surface, or of whatever `as_surface` takes
         Two poses or more.
     baselines : (int, int)
         Indices of the two poses whose eigenspectra are optimised against each other.
@@ -101,7 +102,7 @@ def compatibility(
     MeshError
         See `distance_spectrum` and `match`.
     """
-    poses = list(surfaces)
+    poses = [as_surface(surface) for surface in surfaces]
     _check_baselines(len(poses), baselines)
     given = _default_maps(poses, baselines[0], progress) if maps is None else maps
     spectra = []

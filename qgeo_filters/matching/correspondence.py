@@ -9,6 +9,7 @@ import numpy.typing as npt
 from tqdm.auto import tqdm
 
 from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.hosts.dispatch import SurfaceLike
 from qgeo_filters.matching.initialization.candidates import Candidate, candidates, distortion
 from qgeo_filters.matching.maps.barycentric import BarycentricMap, barycentric_map
 from qgeo_filters.matching.maps.functional_map import functional_map
@@ -19,7 +20,6 @@ from qgeo_filters.matching.selection.decision import Decision, decided
 from qgeo_filters.matching.selection.signatures import likeness
 from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
-from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
 
 # Points to which distances are compared for the distortion.
@@ -91,13 +91,13 @@ class MatchResult:
 
 
 def match(
-    x: Surface | PreparedShape, y: Surface | PreparedShape, *, normalize: bool = True, progress: bool = False
+    x: SurfaceLike | PreparedShape, y: SurfaceLike | PreparedShape, *, normalize: bool = True, progress: bool = False
 ) -> MatchResult:
     """Correspondence between two shapes that bend into each other, with no initial map.
 
     Parameters
     ----------
-    x, y : Surface or PreparedShape
+    x, y : PreparedShape, Surface, or whatever `as_surface` takes
         In one piece, manifold, oriented; any triangulation, position and number of vertices. Pass descriptors
         where a shape takes part in several matches: all that belongs to one shape is computed once.
     normalize : bool

@@ -16,6 +16,7 @@ from qgeo_filters.differential.curvature import mean_curvature
 from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.sampling import farthest_by_distances
 from qgeo_filters.spectral.laplacian import laplacian_spectrum
 from qgeo_filters.spectral.spectrum import Spectrum, check_areas, spectrum_of_matrix
@@ -75,7 +76,7 @@ class PreparedShape:
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
         Manifold, in one piece, oriented.
     weights : sequence of float
         Weights of mean curvature in the metrics that propose maps.
@@ -99,12 +100,13 @@ class PreparedShape:
 
     def __init__(
         self,
-        surface: Surface,
+        surface: SurfaceLike,
         *,
         weights: Sequence[float] = METRIC_WEIGHTS,
         matrix: Callable[[LiftedMetric], npt.NDArray[np.float32]] | None = None,
         progress: bool = False,
     ) -> None:
+        surface = as_surface(surface)
         check_matchable(surface)
         if not weights:
             raise ParameterError("at least one metric must propose maps: weights is empty")
@@ -120,7 +122,7 @@ class PreparedShape:
         return f"PreparedShape({self.surface!r}, weights={self.weights})"
 
     @classmethod
-    def of(cls, shape: Surface | PreparedShape, progress: bool = False) -> PreparedShape:
+    def of(cls, shape: SurfaceLike | PreparedShape, progress: bool = False) -> PreparedShape:
         """The descriptor itself, or that of a surface."""
         return shape if isinstance(shape, PreparedShape) else cls(shape, progress=progress)
 

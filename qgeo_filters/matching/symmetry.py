@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.hosts.dispatch import SurfaceLike
 from qgeo_filters.matching.initialization.candidates import candidates
 from qgeo_filters.matching.maps.functional_map import nearest
 from qgeo_filters.matching.maps.involution import paired
@@ -18,7 +19,6 @@ from qgeo_filters.matching.selection.decision import decided
 from qgeo_filters.matching.selection.signatures import likeness
 from qgeo_filters.matching.smooth_shells import Finished
 from qgeo_filters.matching.symmetry_measure import symmetry_epsilon, symmetry_regions
-from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
 
 #: Mean distortion of distances, in sqrt(area), up to which a map of the shape to its mirror image is a symmetry.
@@ -83,7 +83,9 @@ class Symmetry:
     regions: npt.NDArray[np.int32]
 
 
-def self_symmetry(shape: Surface | PreparedShape, *, tolerance: float = TOLERANCE, progress: bool = False) -> Symmetry:
+def self_symmetry(
+    shape: SurfaceLike | PreparedShape, *, tolerance: float = TOLERANCE, progress: bool = False
+) -> Symmetry:
     """Intrinsic left/right symmetry of a shape: mirror vertex, side and asymmetry of each vertex.
 
     The search of `match` is run from the shape to its own image in a mirror: maps that keep the orientation
@@ -92,7 +94,7 @@ def self_symmetry(shape: Surface | PreparedShape, *, tolerance: float = TOLERANC
 
     Parameters
     ----------
-    shape : Surface or PreparedShape
+    shape : PreparedShape, Surface, or whatever `as_surface` takes
         In one piece, manifold, oriented. A descriptor remembers its symmetry.
     tolerance : float
         Mean distortion of distances, in units of sqrt(area), up to which a map counts as a symmetry.

@@ -15,10 +15,10 @@ from scipy.cluster.hierarchy import leaves_list, linkage, optimal_leaf_ordering
 from scipy.spatial.distance import squareform
 
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.report.colors import MISSING, ordered_colors, sequential
 from qgeo_filters.report.panels import STYLE, Panel, draw_panel, new_figure
 from qgeo_filters.report.view import View, best_view
-from qgeo_filters.surface import Surface
 
 if TYPE_CHECKING:
     from qgeo_filters.geodesics.path.paths import GeodesicPath
@@ -49,7 +49,7 @@ def matrix_order(matrix: npt.ArrayLike) -> npt.NDArray[np.int64]:
 
 def plot_distance_matrix(
     matrix: npt.ArrayLike,
-    surface: Surface | None = None,
+    surface: SurfaceLike | None = None,
     *,
     order: npt.ArrayLike | None = None,
     label: str = "distance (mesh units)",
@@ -61,7 +61,7 @@ def plot_distance_matrix(
     ----------
     matrix : array-like, shape (n, n)
         More than 700 rows are shown by 700 of them, evenly spaced in the order. Grey where infinite.
-    surface : Surface, optional
+    surface : Surface, or whatever `as_surface` takes, optional
         Shown beside the matrix in the colours of a strip along its rows, so that a row can be found on the shape.
     order : array-like of int, shape (n,), optional
         Order of rows and columns, `matrix_order` by default.
@@ -73,6 +73,7 @@ def plot_distance_matrix(
     ValueError
         If the matrix is not square, or the order not as long as it.
     """
+    surface = None if surface is None else as_surface(surface)
     matrix = np.asarray(matrix)
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
         raise ParameterError(f"the distance matrix must be square, got shape {matrix.shape}")

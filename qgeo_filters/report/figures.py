@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.report.charts import plot_distance_matrix, plot_path_curvature, plot_spectrum
 from qgeo_filters.report.colors import distinct, diverging, position_colors, sequential
 from qgeo_filters.report.glyphs import ball, tube
@@ -44,7 +45,7 @@ _MOST_REGIONS = 24
 
 
 def plot_scalar(
-    surface: Surface,
+    surface: SurfaceLike,
     values: npt.ArrayLike,
     label: str = "",
     *,
@@ -55,7 +56,7 @@ def plot_scalar(
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
     values : array-like, shape (n,)
         Grey where not finite.
     label : str
@@ -64,6 +65,7 @@ def plot_scalar(
         Colours diverge from zero; by default where both signs occur.
     view : View, optional
     """
+    surface = as_surface(surface)
     values = np.asarray(values, dtype=np.float64)
     finite = values[np.isfinite(values)]
     if signed is None:
@@ -73,8 +75,9 @@ def plot_scalar(
     return panel_figure([panel], width=4.2, scale=scale, scale_label=label)
 
 
-def plot_surface(surface: Surface, *, title: str = "", view: View | None = None) -> Figure:
+def plot_surface(surface: SurfaceLike, *, title: str = "", view: View | None = None) -> Figure:
     """Figure of the bare surface, its boundary in red."""
+    surface = as_surface(surface)
     radius = 0.25 * _radius(surface)
     edges = {tuple(edge) for edge in surface.edges[surface.boundary_edges].tolist()}
     glyphs = []
@@ -88,16 +91,17 @@ def plot_surface(surface: Surface, *, title: str = "", view: View | None = None)
     return panel_figure([panel], width=4.2)
 
 
-def plot_attribute(surface: Surface, name: str, values: npt.ArrayLike, *, view: View | None = None) -> Figure:
+def plot_attribute(surface: SurfaceLike, name: str, values: npt.ArrayLike, *, view: View | None = None) -> Figure:
     """Figure of a named attribute of any width: whole numbers as regions, columns side by side (the first six).
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
     name : str
     values : array-like, shape (n,) or (n, k)
     view : View, optional
     """
+    surface = as_surface(surface)
     values = np.asarray(values).reshape(surface.n_vertices, -1)
     view = view or _view_of(surface)
     if values.shape[1] == 1 and values.dtype.kind in "bi" and len(np.unique(values)) <= _MOST_REGIONS:
@@ -117,7 +121,7 @@ def plot_attribute(surface: Surface, name: str, values: npt.ArrayLike, *, view: 
 
 
 def plot_eigenfunctions(
-    surface: Surface,
+    surface: SurfaceLike,
     spectrum: Spectrum,
     indices: Sequence[int] | None = None,
     *,
@@ -131,13 +135,14 @@ def plot_eigenfunctions(
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
     spectrum : Spectrum
     indices : sequence of int, optional
         Which eigenfunctions, from 0; the first six by default.
     columns : int
     view : View, optional
     """
+    surface = as_surface(surface)
     count = spectrum.eigenfunctions.shape[1]
     chosen = list(range(min(6, count))) if indices is None else [checked_index(k, count, "index") for k in indices]
     values = spectrum.eigenfunctions[:, chosen] * np.sqrt(surface.area)
@@ -156,7 +161,7 @@ def plot_eigenfunctions(
 
 
 def plot_distance_field(
-    surface: Surface,
+    surface: SurfaceLike,
     distances: npt.ArrayLike,
     source: int | Sequence[int] | None = None,
     *,
@@ -168,7 +173,7 @@ def plot_distance_field(
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
     distances : array-like, shape (n,)
         Grey where infinite (other pieces of the surface).
     source : int or sequence of int, optional
@@ -178,6 +183,7 @@ def plot_distance_field(
         About how many lines; their spacing is a round number, which the colour bar's label names.
     view : View, optional
     """
+    surface = as_surface(surface)
     distances = np.asarray(distances, dtype=np.float64)
     scale = sequential(distances)
     locator = MaxNLocator(max(lines, 1), steps=[1, 2, 2.5, 5, 10])
@@ -193,16 +199,17 @@ def plot_distance_field(
     return panel_figure([Panel(surface, view, options=options)], width=4.2, scale=scale, scale_label=label + spacing)
 
 
-def plot_path(surface: Surface, path: GeodesicPath, *, view: View | None = None) -> Figure:
+def plot_path(surface: SurfaceLike, path: GeodesicPath, *, view: View | None = None) -> Figure:
     """Figure of a path on the surface; its start is the lighter of the two marks.
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
     path : GeodesicPath
         Anything with ``points`` (p, 3) and ``length``.
     view : View, optional
     """
+    surface = as_surface(surface)
     points = np.asarray(path.points, dtype=np.float64)
     radius = _radius(surface)
     glyphs = [ball(points[0], 1.25 * radius, (0.98, 0.75, 0.18)), ball(points[-1], 1.25 * radius, MARK)]
@@ -214,7 +221,7 @@ def plot_path(surface: Surface, path: GeodesicPath, *, view: View | None = None)
 
 
 def plot_symmetry(
-    surface: Surface,
+    surface: SurfaceLike,
     labels: npt.ArrayLike | None = None,
     *,
     p2p: npt.ArrayLike | None = None,
@@ -225,7 +232,7 @@ def plot_symmetry(
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
     labels : array-like of int, shape (n,), optional
         Region of each vertex; the two halves of a symmetric region have one label. Grey where negative.
     p2p : array-like of int, shape (n,), optional
@@ -239,6 +246,7 @@ def plot_symmetry(
     ValueError
         Unless exactly one of labels and p2p is given.
     """
+    surface = as_surface(surface)
     if (labels is None) == (p2p is None):
         raise ParameterError("give labels or p2p, one of them")
     view = view or _view_of(surface)
@@ -255,8 +263,8 @@ def plot_symmetry(
 
 
 def plot_correspondence(
-    x: Surface,
-    y: Surface,
+    x: SurfaceLike,
+    y: SurfaceLike,
     p2p: npt.ArrayLike,
     *,
     names: tuple[str, str] = ("X", "Y"),
@@ -266,13 +274,14 @@ def plot_correspondence(
 
     Parameters
     ----------
-    x, y : Surface
+    x, y : Surface, or whatever `as_surface` takes
     p2p : array-like of int, shape (n_x,)
         Vertex of Y for each vertex of X.
     names : (str, str)
     views : (View, View), optional
         By default the same side of both.
     """
+    x, y = as_surface(x), as_surface(y)
     target = np.asarray(p2p)
     if target.shape != (x.n_vertices,):
         raise ParameterError(f"p2p has shape {target.shape}, but X has {x.n_vertices} vertices")

@@ -10,43 +10,45 @@ from matplotlib.figure import Figure
 from scipy.spatial import cKDTree
 
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.report.colors import distinct, position_colors
 from qgeo_filters.report.panels import Panel, panel_figure
 from qgeo_filters.report.view import View, best_view
-from qgeo_filters.surface import Surface
 
 # The two sides, and the axis between them.
 _SIDES = np.array([[0.45, 0.62, 0.85], [0.95, 0.76, 0.45], [0.75, 0.12, 0.18]])
 _TURNS = (0.0, 180.0, 60.0, -60.0, 120.0, -120.0)  # degrees
 
 
-def view_alike(x: Surface, view_x: View, y: Surface, p2p: npt.ArrayLike) -> View:
+def view_alike(x: SurfaceLike, view_x: View, y: SurfaceLike, p2p: npt.ArrayLike) -> View:
     """View of Y that shows what is seen of X: of six around Y, the one in which most images face the same way.
 
     Parameters
     ----------
-    x : Surface
+    x : Surface, or whatever `as_surface` takes
     view_x : View
-    y : Surface
+    y : Surface, or whatever `as_surface` takes
     p2p : array-like of int, shape (n_x,)
         Vertex of Y for each vertex of X.
     """
+    x, y = as_surface(x), as_surface(y)
     seen = np.sign(x.vertex_normals @ view_x.axes[2]) * x.vertex_areas
     normals = y.vertex_normals[np.asarray(p2p)]
     views = [best_view(y.vertices, y.faces).turned(degrees) for degrees in _TURNS]
     return max(views, key=lambda view: float(seen @ np.sign(normals @ view.axes[2])))
 
 
-def plot_sides(surface: Surface, side: npt.ArrayLike, *, view: View | None = None) -> Figure:
+def plot_sides(surface: SurfaceLike, side: npt.ArrayLike, *, view: View | None = None) -> Figure:
     """Figure of the two sides of a symmetry and of the axis between them (red), from both sides.
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
     side : array-like of int, shape (n,)
         1 and -1 on the sides, 0 on the axis.
     view : View, optional
     """
+    surface = as_surface(surface)
     sides = np.asarray(side)
     if sides.shape != (surface.n_vertices,) or not np.isin(sides, (-1, 0, 1)).all():
         raise ParameterError(f"side must be -1, 0 or 1 for each of the {surface.n_vertices} vertices")
@@ -56,8 +58,8 @@ def plot_sides(surface: Surface, side: npt.ArrayLike, *, view: View | None = Non
 
 
 def plot_region_pair(
-    x: Surface,
-    y: Surface,
+    x: SurfaceLike,
+    y: SurfaceLike,
     regions_x: npt.ArrayLike,
     regions_y: npt.ArrayLike,
     *,
@@ -68,12 +70,13 @@ def plot_region_pair(
 
     Parameters
     ----------
-    x, y : Surface
+    x, y : Surface, or whatever `as_surface` takes
     regions_x, regions_y : array-like of int, shapes (n_x,) and (n_y,)
         Grey where negative.
     names : (str, str)
     views : (View, View), optional
     """
+    x, y = as_surface(x), as_surface(y)
     labels = np.asarray(regions_x), np.asarray(regions_y)
     colors = distinct(int(max(part.max(initial=-1) for part in labels)) + 1)
     views = views or (best_view(x.vertices, x.faces), best_view(y.vertices, y.faces))
@@ -85,7 +88,7 @@ def plot_region_pair(
 
 
 def plot_poses(
-    surfaces: Sequence[Surface],
+    surfaces: Sequence[SurfaceLike],
     maps: Sequence[npt.ArrayLike],
     *,
     names: Sequence[str] = (),
@@ -95,7 +98,7 @@ def plot_poses(
 
     Parameters
     ----------
-    surfaces : sequence of Surface
+    surfaces : sequence of Surface, or of whatever `as_surface` takes
     maps : sequence of array-like of int, shape (n,)
         Vertex of each pose for each of the n vertices of the first. A vertex that is not an image has the colour of the
         nearest one that is.
@@ -105,11 +108,12 @@ def plot_poses(
     """
     if len(maps) != len(surfaces):
         raise ParameterError(f"one map for each of the {len(surfaces)} poses is needed, got {len(maps)}")
-    views = [best_view(surface.vertices, surface.faces) for surface in surfaces]
-    colors = position_colors(surfaces[0].vertices, views[0].axes)
+    poses = [as_surface(surface) for surface in surfaces]
+    views = [best_view(pose.vertices, pose.faces) for pose in poses]
+    colors = position_colors(poses[0].vertices, views[0].axes)
     titles = list(names) or [""] * len(surfaces)
     panels = []
-    for surface, image, view, title in zip(surfaces, maps, views, titles, strict=True):
+    for surface, image, view, title in zip(poses, maps, views, titles, strict=True):
         reached, first = np.unique(np.asarray(image), return_index=True)
         nearest = cKDTree(surface.vertices[reached]).query(surface.vertices)[1]
         panels.append(Panel(surface, view, title, {"colors": colors[first[nearest]]}))

@@ -12,13 +12,13 @@ from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import Metric, metric_for
 from qgeo_filters.geodesics.operator import DistanceOperator
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.spectral.landmarks import farthest_points
 from qgeo_filters.spectral.spectrum import Spectrum, check_areas, check_count
-from qgeo_filters.surface import Surface
 
 
 def streamed_spectrum(
-    surface: Surface,
+    surface: SurfaceLike,
     k: int = 20,
     metric: Metric | None = "lifted",
     *,
@@ -38,7 +38,7 @@ def streamed_spectrum(
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
         In one piece and manifold.
     k : int
         Number of eigenpairs; at most n.
@@ -69,6 +69,7 @@ def streamed_spectrum(
     decomposition", NeurIPS 2015. Halko, Martinsson, Tropp, "Finding structure with randomness", SIAM Review 53(2),
     2011, sec. 5.5 (the last step, for matrices that are positive).
     """
+    surface = as_surface(surface)
     chosen = metric_for(surface, metric, "lifted")
     *_, spectrum = spectrum_by_pass(
         surface, k, chosen, landmarks=landmarks, passes=passes, accuracy=accuracy, workers=workers, progress=progress
@@ -77,7 +78,7 @@ def streamed_spectrum(
 
 
 def spectrum_by_pass(
-    surface: Surface,
+    surface: SurfaceLike,
     k: int,
     metric: Metric | None = "lifted",
     *,
@@ -88,6 +89,7 @@ def spectrum_by_pass(
     progress: bool = False,
 ) -> Iterator[Spectrum]:
     """What `streamed_spectrum` knows after each pass: stop when the residuals are small enough."""
+    surface = as_surface(surface)
     surface.require_connected("the spectrum of the distances")
     n = surface.n_vertices
     check_count(k, n)

@@ -8,6 +8,7 @@ from qgeo_filters._deprecation import renamed_parameters
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import LiftedMetric, Metric, metric_for
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.spectral.landmarks import landmark_spectrum
 from qgeo_filters.spectral.spectrum import (
     Mass,
@@ -17,12 +18,11 @@ from qgeo_filters.spectral.spectrum import (
     check_mass,
     spectrum_of_matrix,
 )
-from qgeo_filters.surface import Surface
 
 
 @renamed_parameters(weights="mass")
 def distance_spectrum(
-    surface: Surface,
+    surface: SurfaceLike,
     k: int = 20,
     metric: Metric | None = "lifted",
     mass: Mass = "area",
@@ -40,7 +40,7 @@ def distance_spectrum(
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
         In one piece and manifold.
     k : int
         Number of eigenpairs.
@@ -67,6 +67,7 @@ def distance_spectrum(
     ParameterError
         k out of range; landmarks together with a matrix; the metric of another surface.
     """
+    surface = as_surface(surface)
     surface.require_connected("the spectrum of the distances")
     check_count(k, surface.n_vertices)
     check_areas(surface.vertex_areas)

@@ -11,6 +11,7 @@ from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric, Metric, metric_for
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.sampling import farthest_on_edges
 from qgeo_filters.spectral.biharmonic import biharmonic_interpolation
 from qgeo_filters.spectral.spectrum import (
@@ -21,12 +22,11 @@ from qgeo_filters.spectral.spectrum import (
     check_mass,
     spectrum_of_matrix,
 )
-from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices
 
 
 def farthest_points(
-    surface: Surface, count: int, metric: Metric | None = "cartesian", *, start: int | None = None
+    surface: SurfaceLike, count: int, metric: Metric | None = "cartesian", *, start: int | None = None
 ) -> IndexArray:
     """Vertices spread evenly over the surface, each the farthest from those before it, shape (count,).
 
@@ -34,7 +34,7 @@ def farthest_points(
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
         In one piece.
     count : int
         Number of points, at most n. The first points of a longer sequence are the shorter one.
@@ -55,6 +55,7 @@ def farthest_points(
     Gonzalez, "Clustering to minimize the maximum intercluster distance", 1985: the covering radius is at
     most twice the best.
     """
+    surface = as_surface(surface)
     surface.require_connected("farthest point sampling")
     metric = metric_for(surface, metric, "cartesian")
     if start is None:
@@ -65,7 +66,7 @@ def farthest_points(
 
 @renamed_parameters(weights="mass")
 def landmark_spectrum(
-    surface: Surface,
+    surface: SurfaceLike,
     k: int = 20,
     metric: Metric | None = "lifted",
     landmarks: int | npt.ArrayLike = 1000,
@@ -80,7 +81,7 @@ def landmark_spectrum(
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
     k : int
         Number of eigenpairs.
     metric : LiftedMetric, "lifted" or "cartesian"
@@ -101,6 +102,7 @@ def landmark_spectrum(
     --------
     landmark_operator : the approximation, its error and its cost.
     """
+    surface = as_surface(surface)
     surface.require_connected("the spectrum of the distances")
     check_count(k, surface.n_vertices)
     check_areas(surface.vertex_areas)

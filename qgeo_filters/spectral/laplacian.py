@@ -8,15 +8,15 @@ from scipy import sparse
 from scipy.sparse.linalg import LinearOperator
 
 from qgeo_filters.cholesky import factorised_spd
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.spectral.deflated_lanczos import largest_eigenpairs
 from qgeo_filters.spectral.spectrum import Spectrum, check_areas, check_count
-from qgeo_filters.surface import Surface
 
 # Shift below zero, in units of 1 / area: the first eigenvalue is 0 and the next is of the order of 10.
 _SHIFT = 0.1
 
 
-def laplacian_spectrum(surface: Surface, k: int = 20) -> Spectrum:
+def laplacian_spectrum(surface: SurfaceLike, k: int = 20) -> Spectrum:
     r"""Spectrum of the Laplace-Beltrami operator: the k smallest eigenvalues, increasing, the constant one included.
 
     Solves :math:`L \phi = \lambda M \phi` with the intrinsic Delaunay cotangent matrix and lumped areas of
@@ -25,7 +25,7 @@ def laplacian_spectrum(surface: Surface, k: int = 20) -> Spectrum:
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
         In one piece.
     k : int
         Number of eigenpairs.
@@ -46,6 +46,7 @@ def laplacian_spectrum(surface: Surface, k: int = 20) -> Spectrum:
     ----------
     Sharp and Crane, "A Laplacian for nonmanifold triangle meshes", SGP 2020.
     """
+    surface = as_surface(surface)
     surface.require_connected("the spectrum of the Laplacian")
     n = surface.n_vertices
     check_count(k, n)

@@ -15,6 +15,7 @@ from qgeo_filters.geodesics.metric import LiftedMetric, Metric, metric_for
 from qgeo_filters.geodesics.path.backtrace import edge_sleeve, exact_sleeve
 from qgeo_filters.geodesics.path.straightening import describe, straighten, vertex_nodes
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh, unfolded
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.parallel import in_threads
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_index, checked_indices, frozen
@@ -72,7 +73,7 @@ class GeodesicPath:
 
 
 def quasi_geodesic(
-    surface: Surface,
+    surface: SurfaceLike,
     i: int,
     j: int,
     metric: Metric | None = "cartesian",
@@ -84,7 +85,7 @@ def quasi_geodesic(
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
         Manifold; open, closed, orientable or not.
     i, j : int
         Vertices.
@@ -116,12 +117,13 @@ def quasi_geodesic(
     path goes to the side whose angle is below pi and stays if both are at least pi. All points inside edges are
     corrected at once by the taut path through the unfolded triangles.
     """
+    surface = as_surface(surface)
     finder = PathFinder(surface, metric_for(surface, metric, "cartesian"), initial, tolerance)
     return finder(checked_index(i, surface.n_vertices, "i"), checked_index(j, surface.n_vertices, "j"))
 
 
 def quasi_geodesics(
-    surface: Surface,
+    surface: SurfaceLike,
     pairs: npt.ArrayLike,
     metric: Metric | None = "cartesian",
     *,
@@ -148,6 +150,7 @@ def quasi_geodesics(
     DisconnectedError, NonManifoldError, ParameterError, MeshError
         As `quasi_geodesic`.
     """
+    surface = as_surface(surface)
     table = np.asarray(pairs)
     if table.ndim != 2 or table.shape[1] != 2:
         raise MeshError(f"pairs must have shape (k, 2), got {table.shape}")

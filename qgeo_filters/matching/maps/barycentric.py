@@ -10,6 +10,7 @@ from scipy import sparse
 
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices, frozen
 
@@ -51,7 +52,7 @@ class BarycentricMap:
         return array[self.nearest_corner]
 
 
-def barycentric_map(positions: npt.ArrayLike, p2p: npt.ArrayLike, y: Surface, rings: int = 2) -> BarycentricMap:
+def barycentric_map(positions: npt.ArrayLike, p2p: npt.ArrayLike, y: SurfaceLike, rings: int = 2) -> BarycentricMap:
     """Point of Y nearest to each position, of those around a vertex that is known to be near on the surface.
 
     Sheets that pass close to each other in space (fingers, a tail on a flank) are kept apart by looking at the
@@ -63,7 +64,7 @@ def barycentric_map(positions: npt.ArrayLike, p2p: npt.ArrayLike, y: Surface, ri
         X deformed onto Y, as in `MatchResult.positions`.
     p2p : array-like of int, shape (n_x,)
         Vertex of Y for each vertex of X.
-    y : Surface
+    y : Surface, or whatever `as_surface` takes
     rings : int
         How many rings of triangles around the vertex are looked at.
 
@@ -76,6 +77,7 @@ def barycentric_map(positions: npt.ArrayLike, p2p: npt.ArrayLike, y: Surface, ri
     ValueError
         Shapes that do not match, vertices out of range or without triangles, fewer than one ring.
     """
+    y = as_surface(y)
     points = np.asarray(positions, dtype=np.float64)
     images = checked_indices(p2p, y.n_vertices, "p2p")
     if points.shape != (len(images), 3):
