@@ -61,3 +61,12 @@ def test_bad_arguments_get_one_sentence(meshset: pymeshlab.MeshSet) -> None:
         meshset.compute_scalar_by_quasi_geodesic_spectrum_per_vertex(component=3, k=3)
     with pytest.raises(qg.MeshError, match="startpoint must be three finite coordinates"):
         meshset.compute_scalar_by_quasi_geodesic_distance_from_given_point_per_vertex(startpoint=(0, np.nan, 0))
+
+
+def test_workers_are_those_of_the_filters(meshset: pymeshlab.MeshSet) -> None:
+    distance = meshset.compute_scalar_by_quasi_geodesic_distance_from_given_point_per_vertex
+    spectrum = meshset.compute_scalar_by_quasi_geodesic_spectrum_per_vertex
+    assert distance(workers=1) == distance(workers=2) == distance()
+    for method in (distance, spectrum):
+        with pytest.raises(qg.ParameterError, match="workers"):
+            method(workers=0)
