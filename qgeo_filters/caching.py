@@ -10,6 +10,7 @@ import re
 import threading
 import time
 import types
+import weakref
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping, Set
 from contextlib import contextmanager
@@ -92,7 +93,7 @@ class StageCache:
     Parameters
     ----------
     max_bytes : int, default 2 GiB
-        Bound of what is kept in memory between calls. 0 keeps nothing.
+        Bound of what is kept in memory between calls; 0 keeps nothing. What a caller still holds is found all the same.
     directory : path, optional
         Folder in which results are kept as well, as joblib files, written atomically. Loading a joblib file can run
         code that is in it: use folders that only you write to.
@@ -109,6 +110,8 @@ class StageCache:
         self._lock = threading.RLock()
         self._entries: OrderedDict[str, Any] = OrderedDict()
         self._begun: dict[str, _Computation] = {}
+        # Results that were dropped, but that somebody still holds: finding them costs nothing.
+        self._alive: weakref.WeakValueDictionary[str, Any] = weakref.WeakValueDictionary()
         self._holders = 0
         self.hits = 0
         self.misses = 0
@@ -142,6 +145,7 @@ class StageCache:
         """Forget everything, on disk too; files of others in the folder stay."""
         with self._lock:
             self._entries.clear()
+            self._alive.clear()
         for path, _, _ in self._files():
             _remove(path)
 
@@ -158,6 +162,11 @@ class StageCache:
                     self.hits += 1
                     _log.debug("%s: in memory", key)
                     return self._entries[key]
+                held = self._alive.get(key)
+                if held is not None:
+                    self.hits += 1
+                    _log.debug("%s: still held by a caller", key)
+                    return held
                 other = self._begun.get(key)
                 if other is None:
                     own = self._begun[key] = _Computation()
@@ -174,6 +183,8 @@ class StageCache:
             own.result.append(value)
             with self._lock:
                 self._entries[key] = value
+                with contextlib.suppress(TypeError):  # numbers, tuples and dictionaries cannot be referred to weakly
+                    self._alive[key] = value
                 self._shrink()
             return value
         finally:

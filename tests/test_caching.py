@@ -61,6 +61,16 @@ def test_nothing_is_dropped_while_held() -> None:
     assert calls == [1]
 
 
+def test_what_a_caller_still_holds_is_not_computed_again() -> None:
+    cache = StageCache(max_bytes=0)
+    value = cache.get("a", lambda: np.zeros(100))
+    assert cache.get("a", lambda: pytest.fail("it is alive")) is value
+    del value
+    calls = []
+    cache.get("a", lambda: calls.append(1) or np.zeros(100))
+    assert calls == [1]
+
+
 def test_disk_survives_the_process(tmp_path: Path) -> None:
     StageCache(directory=tmp_path).get("stage-1", lambda: np.arange(5))
     found = StageCache(directory=tmp_path).get("stage-1", lambda: pytest.fail("on disk"))

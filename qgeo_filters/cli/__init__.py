@@ -55,5 +55,5 @@ for command in (demo, info, distances, spectrum, symmetry, match, compatibility,
 
 
 def main() -> None:
-    """Entry point of ``qgeo``: exit code 2 and one line on stderr for bad input, 130 after Ctrl-C."""
+    """Entry point of ``qgeo``: exit code 2 and a line for bad input, 1 and a traceback for a bug, 130 after Ctrl-C."""
     app(prog_name="qgeo")

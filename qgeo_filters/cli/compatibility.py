@@ -8,9 +8,9 @@ from typing import Annotated
 
 import typer
 
-from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Repair, Settings, Weight
+from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Repair, Settings, Weight, Workers
 from qgeo_filters.cli.spectral import Count
-from qgeo_filters.defaults import CURVATURE_WEIGHT
+from qgeo_filters.defaults import CURVATURE_WEIGHT, EIGENPAIRS
 
 _MOST_POSES = 12
 
@@ -21,8 +21,9 @@ def compatibility(
         tuple[int, int],
         typer.Option("--baselines", metavar="I J", help="The poses, from 0, that are optimised against each other."),
     ] = (0, 1),
-    k: Count = 20,
+    k: Count = EIGENPAIRS,
     curvature_weight: Weight = CURVATURE_WEIGHT,
+    workers: Workers = None,
     output: Output = DEFAULT_OUTPUT,
     repair: Repair = False,
     pictures: Pictures = True,

@@ -6,7 +6,8 @@ import importlib.util
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Quiet, Settings
+from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Quiet, Settings, Workers
+from qgeo_filters.defaults import EIGENPAIRS, SYMMETRY_K0
 from qgeo_filters.errors import MissingPackageError
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 _SOURCES = 5
 
 
-def demo(output: Output = DEFAULT_OUTPUT, json: Json = False, quiet: Quiet = False) -> None:
+def demo(workers: Workers = None, output: Output = DEFAULT_OUTPUT, json: Json = False, quiet: Quiet = False) -> None:
     """Run everything on PyMeshLab's cow and compare distances with libigl's exact ones; needs no network.
 
     result.npz: distances (n, n), eigenvalues (k,), eigenfunctions (n, k), symmetry (n,), side (n,), asymmetry (n,),
@@ -30,7 +31,6 @@ def demo(output: Output = DEFAULT_OUTPUT, json: Json = False, quiet: Quiet = Fal
     from qgeo_filters.cli.job import Job
     from qgeo_filters.cli.spectral import eigenvalue_table, spectrum_results
     from qgeo_filters.cli.symmetry import (
-        DEFAULT_K0,
         draw_symmetry,
         symmetry_arrays,
         symmetry_attributes,
@@ -44,7 +44,7 @@ def demo(output: Output = DEFAULT_OUTPUT, json: Json = False, quiet: Quiet = Fal
     from qgeo_filters.report.html import Table
     from qgeo_filters.report.view import best_view
 
-    descriptor = qg.QuasiGeodesicSpectrum(k=20)
+    descriptor = qg.QuasiGeodesicSpectrum(k=EIGENPAIRS)
     pipeline = qg.DifferentialCoordinates() | qg.CorrectedNormals() | qg.SurfaceScalar() | descriptor
     parameters = {type(step).__name__: step.get_params() for step in pipeline.steps}
     job = Job("demo", Settings(output, quiet, json), parameters)
@@ -61,8 +61,8 @@ def demo(output: Output = DEFAULT_OUTPUT, json: Json = False, quiet: Quiet = Fal
         errors = errors_against_exact(surface, plain)
     spectrum = descriptor.spectrum_
     with job.stage("symmetry measure"):
-        measure, symmetric = symmetry_measure(spectrum, matrix, DEFAULT_K0)
-        measure = {**symmetry_results(found, spectrum, DEFAULT_K0), **measure}
+        measure, symmetric = symmetry_measure(spectrum, matrix, SYMMETRY_K0)
+        measure = {**symmetry_results(found, spectrum, SYMMETRY_K0), **measure}
         symmetric |= symmetry_arrays(found)
         # The cow is modelled symmetric, which the search is not told: its map has a truth to be held against.
         measure["map_error_against_the_plane"] = float(

@@ -9,14 +9,17 @@ from typing import Any, NoReturn
 import typer
 from typer.core import TyperGroup
 
-from qgeo_filters.errors import MissingPackageError
+from qgeo_filters.errors import QgeoError
 
 BAD_INPUT = 2
 INTERRUPTED = 130
 
 
 class OneLineErrors(TyperGroup):
-    """Group of commands whose errors are one line: bad input 2, Ctrl-C 130. ``--debug`` shows the traceback."""
+    """Group of commands whose errors are one line: bad input 2, Ctrl-C 130. ``--debug`` shows the traceback.
+
+    Bad input is a `QgeoError`, or what the system says of a file. Another exception is a bug, and keeps its traceback.
+    """
 
     def main(self, *args: Any, **extra: Any) -> Any:
         """Run a command and leave with its exit code."""
@@ -42,9 +45,8 @@ class OneLineErrors(TyperGroup):
             # The reader of our output went away (qgeo info mesh --json | head): nothing is left to say it to.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise typer.Exit(1) from None
-        except (ValueError, OSError, LookupError, MissingPackageError) as error:  # MeshError is a ValueError
-            if isinstance(error, (KeyError, IndexError)):  # bugs; a bare LookupError is a truth that is not known
-                raise
+        # Files, disks and networks are the user's as well. All else is a bug: its traceback is shown, exit code 1.
+        except (QgeoError, OSError) as error:
             if ctx.params.get("debug"):
                 raise
             fail(_sentence(error))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Settings
+from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Settings, Workers
 from qgeo_filters.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ def evaluate(
     ] = None,
     seed: Annotated[int, typer.Option("--seed", help="Of the choice of pairs.")] = 0,
     category: Annotated[list[str] | None, typer.Option("--category", help="Only this one; may be repeated.")] = None,
+    workers: Workers = None,
     output: Output = DEFAULT_OUTPUT,
     pictures: Pictures = True,
     json: Json = False,
@@ -82,7 +83,7 @@ def evaluate(
                     if job.progress:
                         typer.echo(f"  {outcome.name}: mean error {outcome.errors.direct.mean():.4f}", err=True)
     if not found:
-        raise failures[0].error if failures else ValueError(f"{root}: no two shapes of one category")
+        raise failures[0].error if failures else ParameterError(f"{root}: no two shapes of one category")
     if store.reused and not quiet:
         typer.echo(f"{store.reused} of {len(found)} results are those of an earlier run, in {store.folder}", err=True)
     rows = rows_by_category(found)

@@ -22,7 +22,9 @@ from qgeo_filters.cli.options import (
     Settings,
     Smoothing,
     Weight,
+    Workers,
 )
+from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -47,11 +49,12 @@ def distances(
             show_default=False,
         ),
     ] = None,
-    curvature_weight: Weight = 0.0,
+    curvature_weight: Weight = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
     smoothing: Smoothing = 0.0,
     method: Method = "graph",
     accuracy: Accuracy = 1e-3,
+    workers: Workers = None,
     output: Output = DEFAULT_OUTPUT,
     repair: Repair = False,
     pictures: Pictures = True,
@@ -66,9 +69,9 @@ def distances(
     import numpy as np
 
     from qgeo_filters.cli.job import Job
+    from qgeo_filters.filters import stages
     from qgeo_filters.geodesics.matrix import distance_matrix
     from qgeo_filters.geodesics.matrix import distances as distances_from
-    from qgeo_filters.geodesics.metric import lifted_metric
     from qgeo_filters.report.figures import plot_distance_field, plot_distance_matrix, plot_scalar
     from qgeo_filters.validation import checked_indices
 
@@ -96,11 +99,13 @@ def distances(
             "write the matrix to disk with --matrix FILE.zarr"
         )
     with job.stage("metric"):
-        metric = lifted_metric(surface, scalar, curvature_weight, smoothing=smoothing)
+        metric = stages.metric_of(surface, scalar, curvature_weight, smoothing)
     field: Any  # an array, or one on disk
     with job.stage("distances"):
         if chosen:
             field = distances_from(surface, chosen, metric, method, accuracy=accuracy, progress=job.progress)
+        elif matrix is None:
+            field = stages.matrix_of(metric, method, accuracy, job.progress)
         else:
             field = distance_matrix(surface, metric, method, accuracy=accuracy, out=matrix, progress=job.progress)
     results, centrality = _measured(field)
@@ -170,7 +175,7 @@ def path(
     mesh: MeshFile,
     i: Annotated[int, typer.Argument(metavar="I", help="Vertex at the start, from 0.", show_default=False)],
     j: Annotated[int, typer.Argument(metavar="J", help="Vertex at the end.", show_default=False)],
-    curvature_weight: Weight = 0.0,
+    curvature_weight: Weight = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
     smoothing: Smoothing = 0.0,
     output: Output = DEFAULT_OUTPUT,
@@ -186,7 +191,7 @@ def path(
     import numpy as np
 
     from qgeo_filters.cli.job import Job
-    from qgeo_filters.geodesics.metric import lifted_metric
+    from qgeo_filters.filters import stages
     from qgeo_filters.geodesics.path.paths import quasi_geodesic
     from qgeo_filters.report.figures import plot_path, plot_path_curvature
     from qgeo_filters.validation import checked_index
@@ -203,7 +208,7 @@ def path(
     surface = job.read(mesh)
     start, end = checked_index(i, surface.n_vertices, "I"), checked_index(j, surface.n_vertices, "J")
     with job.stage("metric"):
-        metric = lifted_metric(surface, scalar, curvature_weight, smoothing=smoothing)
+        metric = stages.metric_of(surface, scalar, curvature_weight, smoothing)
     with job.stage("path"):
         found = quasi_geodesic(surface, start, end, metric)
     kappa = np.asarray(found.kappa_g)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Repair, Settings
+from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Repair, Settings, Workers
 from qgeo_filters.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ def match(
     normalize: Annotated[
         bool, typer.Option("--normalize/--no-normalize", help="Compare shapes regardless of their size.")
     ] = True,
+    workers: Workers = None,
     output: Output = DEFAULT_OUTPUT,
     repair: Repair = False,
     pictures: Pictures = True,
@@ -49,8 +50,8 @@ def match(
 
     from qgeo_filters.cli.job import Job
     from qgeo_filters.evaluation.errors import geodesic_error
-    from qgeo_filters.matching.correspondence import match as correspondence_of
-    from qgeo_filters.matching.prepared_shape import PreparedShape, check_same_size
+    from qgeo_filters.filters import stages
+    from qgeo_filters.matching.prepared_shape import check_same_size
 
     parameters = {"normalize": normalize, "truth": None if truth is None else str(truth), "repair": repair}
     job = Job("match", Settings(output, quiet, json, repair, pictures), parameters)
@@ -58,12 +59,12 @@ def match(
     target = None if truth is None else read_truth(truth, shapes[0].n_vertices, shapes[1].n_vertices)
     if not normalize:
         check_same_size(*shapes)
-    a, b = (PreparedShape(shape, progress=job.progress) for shape in shapes)
-    for name, descriptor in zip(("X", "Y"), (a, b), strict=True):
+    prepared = []  # held here: the next stages then find them, whatever the bound of the cache
+    for name, shape in zip(("X", "Y"), shapes, strict=True):
         with job.stage(f"spectra of {name}"):
-            descriptor.prepared()
+            prepared.append(stages.prepared_shape_of(shape, job.progress))
     with job.stage("match"):
-        found = correspondence_of(a, b, normalize=normalize)
+        found = stages.correspondence_of(*shapes, normalize, job.progress)
     arrays = {
         "p2p": found.p2p,
         "score": np.float64(found.score),
@@ -103,16 +104,18 @@ def read_truth(path: Path, n_x: int, n_y: int) -> np.ndarray:
 
     Raises
     ------
-    ValueError
+    ParameterError
         Not that many whole numbers within Y, or an .npz in which the array cannot be told.
     """
+    import zipfile
+
     import numpy as np
 
     from qgeo_filters.validation import checked_indices
 
     try:
         loaded: Any = np.load(path, allow_pickle=False) if path.suffix in (".npz", ".npy") else np.loadtxt(path)
-    except ValueError as error:
+    except (ValueError, EOFError, zipfile.BadZipFile) as error:
         raise ParameterError(f"{path}: not a list of vertices ({error})") from error
     if isinstance(loaded, np.lib.npyio.NpzFile):
         with loaded:

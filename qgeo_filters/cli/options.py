@@ -35,6 +35,27 @@ Method = Annotated[
 ]
 Accuracy = Annotated[float, typer.Option("--accuracy", help="Relative error bound of the graph method.")]
 
+
+def _bounded(context: typer.Context, workers: int | None) -> int | None:
+    """Bound the threads of everything that the command does."""
+    if workers is not None:
+        from qgeo_filters.parallel import default_workers
+
+        context.with_resource(default_workers(workers))
+    return workers
+
+
+Workers = Annotated[
+    int | None,
+    typer.Option(
+        "--workers",
+        metavar="N",
+        help="Threads at most; all cores that it may use if left out. Results do not depend on it.",
+        callback=_bounded,
+        show_default=False,
+    ),
+]
+
 DEFAULT_OUTPUT = Path("qgeo-out")
 
 

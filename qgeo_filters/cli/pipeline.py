@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Repair, Settings
-from qgeo_filters.errors import ParameterError
+from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Repair, Settings, Workers
+from qgeo_filters.errors import ParameterError, QgeoError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -21,6 +21,7 @@ def run(
         Path, typer.Argument(metavar="PIPELINE.yaml", help="Filters, as Pipeline.save writes them.", show_default=False)
     ],
     meshes: Annotated[list[Path], typer.Argument(metavar="MESH...", help="One mesh or more.", show_default=False)],
+    workers: Workers = None,
     output: Output = DEFAULT_OUTPUT,
     repair: Repair = False,
     pictures: Pictures = True,
@@ -39,7 +40,7 @@ def run(
 
     try:
         steps = Pipeline.load(pipeline)
-    except ValueError as error:
+    except (QgeoError, UnicodeDecodeError) as error:
         raise ParameterError(f"{pipeline}: {error}") from error
     settings = Settings(output, quiet, json, repair, pictures)
     numbered = enumerate(steps.steps, start=1)

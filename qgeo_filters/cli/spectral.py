@@ -20,8 +20,9 @@ from qgeo_filters.cli.options import (
     Settings,
     Smoothing,
     Weight,
+    Workers,
 )
-from qgeo_filters.defaults import CURVATURE_WEIGHT
+from qgeo_filters.defaults import CURVATURE_WEIGHT, EIGENPAIRS
 
 Count = Annotated[int, typer.Option("-k", help="Number of eigenpairs.")]
 Weights = Annotated[
@@ -35,7 +36,7 @@ Landmarks = Annotated[
 
 def spectrum(
     mesh: MeshFile,
-    k: Count = 20,
+    k: Count = EIGENPAIRS,
     curvature_weight: Weight = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
     smoothing: Smoothing = 0.0,
@@ -43,6 +44,7 @@ def spectrum(
     landmarks: Landmarks = None,
     method: Method = "graph",
     accuracy: Accuracy = 1e-3,
+    workers: Workers = None,
     output: Output = DEFAULT_OUTPUT,
     repair: Repair = False,
     pictures: Pictures = True,

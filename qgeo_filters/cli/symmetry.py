@@ -20,8 +20,9 @@ from qgeo_filters.cli.options import (
     Settings,
     Smoothing,
     Weight,
+    Workers,
 )
-from qgeo_filters.defaults import CURVATURE_WEIGHT
+from qgeo_filters.defaults import CURVATURE_WEIGHT, SYMMETRY_K0
 
 if TYPE_CHECKING:
     import numpy as np
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     from qgeo_filters.spectral.spectrum import Spectrum
     from qgeo_filters.surface import Surface
 
-DEFAULT_K0 = 6
 _PAIRS = 2000
 
 
@@ -43,7 +43,7 @@ def symmetry(
     ] = True,
     k0: Annotated[
         int, typer.Option("-k", "--k0", help="Eigenfunctions in the sum of eq. (3); few give clear regions.")
-    ] = DEFAULT_K0,
+    ] = SYMMETRY_K0,
     regions: Annotated[
         int | None, typer.Option("--regions", help="Number of regions, of equal area; 8 unless --epsilon is given.")
     ] = None,
@@ -58,6 +58,7 @@ def symmetry(
     smoothing: Smoothing = 0.0,
     method: Method = "graph",
     accuracy: Accuracy = 1e-3,
+    workers: Workers = None,
     output: Output = DEFAULT_OUTPUT,
     repair: Repair = False,
     pictures: Pictures = True,
@@ -72,7 +73,6 @@ def symmetry(
     eigenvalues (k0,), eigenfunctions (n, k0), areas (n,). Where no symmetry was found, found is False, symmetry the
     identity, and side and asymmetry are 0.
     """
-    from qgeo_filters.caching import cache
     from qgeo_filters.cli.job import Job
     from qgeo_filters.filters import stages
     from qgeo_filters.matching.prepared_shape import check_matchable
@@ -95,14 +95,16 @@ def symmetry(
     if explicit:
         check_matchable(surface)
     found = None
-    with cache.held():
-        with job.stage("spectrum"):
-            metric = stages.metric_of(surface, scalar, curvature_weight, smoothing)
-            spectrum = stages.spectrum_of(metric, k0, "area", None, method, accuracy, job.progress)
-        matrix = stages.matrix_of(metric, method, accuracy)
-        if explicit:
-            with job.stage("map"):
-                found = stages.symmetry_of(surface, job.progress)
+    stages.check_spectrum(surface, k0)
+    # The matrix is held here: the stages after it find it, whatever the bound of the cache.
+    with job.stage("distances"):
+        metric = stages.metric_of(surface, scalar, curvature_weight, smoothing)
+        matrix = stages.matrix_of(metric, method, accuracy, job.progress)
+    with job.stage("spectrum"):
+        spectrum = stages.spectrum_of(metric, k0, "area", None, method, accuracy, job.progress)
+    if explicit:
+        with job.stage("map"):
+            found = stages.symmetry_of(surface, job.progress)
     with job.stage("measure"):
         results, arrays = symmetry_measure(spectrum, matrix, k0, regions, epsilon, reading)
     if found is not None:

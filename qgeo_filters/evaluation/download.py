@@ -139,6 +139,8 @@ def fetch(
                 f"{url} cannot be downloaded, {_reason(error)}: check the network, or save the archive by other means "
                 f"as {(archives / kept).absolute()}"
             ) from error
+        except ValueError as error:  # pooch's word for an archive that is another one
+            raise ParameterError(str(error)) from error
         if url not in hashes:
             warnings.warn(
                 f"{url} was not held against a known hash; its SHA-256 is {pooch.file_hash(str(file))}: give it as "

@@ -16,7 +16,7 @@ from qgeo_filters.matching.correspondence import MatchResult, match
 from qgeo_filters.matching.prepared_shape import METRIC_WEIGHTS, PreparedShape, check_same_size
 from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
 from qgeo_filters.spectral.distance_spectrum import distance_spectrum
-from qgeo_filters.spectral.spectrum import Spectrum
+from qgeo_filters.spectral.spectrum import Spectrum, check_areas, check_count
 from qgeo_filters.surface import Surface
 
 
@@ -35,6 +35,13 @@ def matrix_of(metric: LiftedMetric, method: str, accuracy: float, progress: bool
     return cache.get(key, lambda: distance_matrix(metric.surface, metric, method, accuracy=accuracy, progress=progress))
 
 
+def check_spectrum(surface: Surface, k: int) -> None:
+    """Raise what `distance_spectrum` would, before distances are computed."""
+    surface.require_connected("the spectrum of the distances")
+    check_count(k, surface.n_vertices)
+    check_areas(surface.vertex_areas)
+
+
 def spectrum_of(
     metric: LiftedMetric,
     k: int,
@@ -46,6 +53,7 @@ def spectrum_of(
 ) -> Spectrum:
     """Eigenspectrum of the all-pairs distances of a metric, see `distance_spectrum`."""
     surface = metric.surface
+    check_spectrum(surface, k)
 
     def compute() -> Spectrum:
         matrix = None if landmarks else matrix_of(metric, method, accuracy, progress)

@@ -58,7 +58,7 @@ def render_mesh(
     isolines : array-like, shape (l,)
         Values at which a line is drawn.
     glyphs : sequence of Glyph
-        Points and curves, hidden and shaded like the surface. The frame fits the surface alone.
+        Points and curves, hidden and shaded like the surface. The picture fits the surface alone.
     view : View, optional
         `best_view` by default.
     size : (int, int)
@@ -81,11 +81,11 @@ def render_mesh(
         raise ParameterError("give values or colors, not both")
     view = best_view(surface.vertices, surface.faces) if view is None else view
     width, height = size[0] * supersample, size[1] * supersample
-    frame = view.fit(surface.vertices[np.unique(surface.faces)], width, height)
+    projection = view.fit(surface.vertices[np.unique(surface.faces)], width, height)
 
     solids = [surface, *(Surface(glyph.vertices, glyph.faces) for glyph in glyphs)]
     starts = np.cumsum([0, *(solid.n_vertices for solid in solids)])
-    points = frame.project(np.concatenate([solid.vertices for solid in solids]))
+    points = projection.project(np.concatenate([solid.vertices for solid in solids]))
     triangles = np.concatenate([solid.faces + start for solid, start in zip(solids, starts, strict=False)])
     picture = rasterize(points, triangles.astype(np.int32), width, height)
     seen = picture.face >= 0

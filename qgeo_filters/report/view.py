@@ -40,8 +40,8 @@ class View:
         width, height = np.ptp(vertices @ self.axes[:2].T, axis=0)
         return float(np.clip(width / max(float(height), 1e-300), 0.05, 20.0))
 
-    def fit(self, vertices: FloatArray, width: int, height: int, margin: float = 0.03) -> Frame:
-        """Frame of width x height pixels that shows all of the vertices, as large as fits.
+    def fit(self, vertices: FloatArray, width: int, height: int, margin: float = 0.03) -> Projection:
+        """Projection of width x height pixels that shows all of the vertices, as large as fits.
 
         Raises
         ------
@@ -57,11 +57,11 @@ class View:
         extent = (high - low)[:2]
         scale = float(np.min(room[extent > 0] / extent[extent > 0])) if extent.any() else 1.0
         offset = np.array([0.5 * width, 0.5 * height, 0.0]) - 0.5 * scale * (low + high)
-        return Frame(axes * scale, offset, scale)
+        return Projection(axes * scale, offset, scale)
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class Projection:
     """Map from space to a picture: pixels to the right, pixels down, depth towards the viewer in pixels."""
 
     matrix: FloatArray
@@ -152,11 +152,11 @@ def _contains(points: FloatArray, point: FloatArray) -> bool:
 
 def _silhouette(vertices: FloatArray, faces: IntArray, view: View, size: int = 96) -> float:
     """Area of the silhouette, in squared units of length."""
-    frame = view.fit(vertices, size, size, margin=0.0)
-    return float((rasterize(frame.project(vertices), faces, size, size).face >= 0).sum()) / frame.scale**2
+    projection = view.fit(vertices, size, size, margin=0.0)
+    return float((rasterize(projection.project(vertices), faces, size, size).face >= 0).sum()) / projection.scale**2
 
 
 def _faces_seen(vertices: FloatArray, faces: IntArray, view: View, size: int = 320) -> int:
     """Number of triangles of which a point is seen."""
-    frame = view.fit(vertices, size, size, margin=0.0)
-    return len(np.unique(rasterize(frame.project(vertices), faces, size, size).face))
+    projection = view.fit(vertices, size, size, margin=0.0)
+    return len(np.unique(rasterize(projection.project(vertices), faces, size, size).face))

@@ -12,7 +12,10 @@ import pytest
 from typer.testing import Result
 
 import qgeo_filters as qg
+from qgeo_filters.caching import cache
+from qgeo_filters.filters import stages
 from qgeo_filters.geodesics.path.paths import quasi_geodesic
+from qgeo_filters.parallel import available_cores, worker_count
 
 Qgeo = Callable[..., Result]
 Loaded = Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]
@@ -47,7 +50,7 @@ def test_repair_is_reported(qgeo: Qgeo, loaded: Loaded) -> None:
 
 
 def test_distances_of_all_pairs(qgeo: Qgeo, loaded: Loaded) -> None:
-    assert qgeo("distances", "sphere.ply").exit_code == 0
+    assert qgeo("distances", "sphere.ply", "-w", 0).exit_code == 0
     content, arrays = loaded(Path("qgeo-out"))
     surface = qg.Surface.read("sphere.ply")
     np.testing.assert_array_equal(arrays["distances"], qg.distance_matrix(surface))
@@ -109,8 +112,7 @@ def test_distances_on_disk_continue_where_they_were_interrupted(qgeo: Qgeo, monk
         written.append(path.parent.name)
         whole(path, row)
 
-    command = ("distances", "sphere.ply", "--matrix", "d.zarr", "--no-pictures")
-    monkeypatch.setattr("qgeo_filters.geodesics.matrix.worker_count", lambda _: 1)
+    command = ("distances", "sphere.ply", "-w", 0, "--matrix", "d.zarr", "--workers", 1, "--no-pictures")
     monkeypatch.setattr(storage, "write_chunk", interrupted)
     assert qgeo(*command).exit_code == 130
     assert not Path("qgeo-out").exists()
@@ -186,14 +188,14 @@ def test_warmup(qgeo: Qgeo) -> None:
     assert qgeo("warmup", "-q").stdout == ""
 
 
-PIPELINE = (
-    qg.DifferentialCoordinates(weights="cotangent") | qg.QuasiGeodesicDistances(sources=4),
-    ("qgeo_delta", "qgeo_distance"),
-)
+@pytest.fixture
+def pipeline() -> qg.Pipeline:
+    """Differential coordinates and distances: qgeo_delta and qgeo_distance."""
+    return qg.DifferentialCoordinates(weights="cotangent") | qg.QuasiGeodesicDistances(sources=4)
 
 
-def test_run_on_one_mesh(qgeo: Qgeo, loaded: Loaded) -> None:
-    pipeline, names = PIPELINE
+def test_run_on_one_mesh(qgeo: Qgeo, loaded: Loaded, pipeline: qg.Pipeline) -> None:
+    names = ("qgeo_delta", "qgeo_distance")
     pipeline.save("pipe.yaml")
     assert qgeo("run", "pipe.yaml", "blob.off").exit_code == 0
     content, arrays = loaded(Path("qgeo-out"))
@@ -206,10 +208,10 @@ def test_run_on_one_mesh(qgeo: Qgeo, loaded: Loaded) -> None:
     assert content["parameters"]["2. QuasiGeodesicDistances"]["sources"] == 4
 
 
-def test_run_on_several_meshes_gives_each_a_folder(qgeo: Qgeo, loaded: Loaded) -> None:
+def test_run_on_several_meshes_gives_each_a_folder(qgeo: Qgeo, loaded: Loaded, pipeline: qg.Pipeline) -> None:
     Path("other").mkdir()
     qg.Surface.read("sphere.ply").write("other/blob.off")
-    PIPELINE[0].save("pipe.yaml")
+    pipeline.save("pipe.yaml")
     assert qgeo("run", "pipe.yaml", "blob.off", "square.obj", "other/blob.off", "--no-pictures").exit_code == 0
     for folder, path in (("blob-1", "blob.off"), ("square", "square.obj"), ("blob-2", "other/blob.off")):
         content, arrays = loaded(Path("qgeo-out") / folder)
@@ -283,3 +285,28 @@ def test_help_and_version(qgeo: Qgeo) -> None:
         shown = qgeo(name, "-h")
         assert shown.exit_code == 0
         assert "--output" in shown.stdout
+
+
+LONG = ("demo", "distances", "spectrum", "symmetry", "match", "compatibility", "evaluate", "run")
+
+
+def test_workers_bound_the_threads_and_change_nothing_else(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
+    threads = []
+    true = stages.distance_matrix
+    monkeypatch.setattr(
+        stages, "distance_matrix", lambda *args, **options: threads.append(worker_count()) or true(*args, **options)
+    )
+    for number in (1, 3):
+        cache.clear()
+        assert qgeo("spectrum", "blob.off", "-k", 4, "--workers", number, "-o", number, "--no-pictures").exit_code == 0
+    assert threads == [1, 3]
+    assert Path("1/result.npz").read_bytes() == Path("3/result.npz").read_bytes()
+    assert worker_count() == available_cores()  # the bound ends with the command
+
+
+@pytest.mark.parametrize("command", LONG)
+def test_commands_that_take_long_take_workers(qgeo: Qgeo, command: str) -> None:
+    assert "--workers" in qgeo(command, "-h").stdout
+    arguments = {"match": ["blob.off", "blob.off"], "run": ["p.yaml", "blob.off"], "evaluate": ["tosca", "--root", "."]}
+    result = qgeo(command, *arguments.get(command, [] if command == "demo" else ["blob.off"]), "--workers", 0)
+    assert (result.exit_code, result.stderr) == (2, "qgeo: workers must be at least 1, got 0\n")

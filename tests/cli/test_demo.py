@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 from typer.testing import Result
 
 import qgeo_filters as qg
+from qgeo_filters.caching import cache
 from qgeo_filters.cli.demo import cow, errors_against_exact
 from qgeo_filters.filters import stages
 from qgeo_filters.matching import prepared_shape
@@ -23,6 +24,7 @@ Loaded = Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]
 
 def test_demo(qgeo: Callable[..., Result], loaded: Loaded, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("pymeshlab")
+    cache.clear()  # whatever other tests left there
     weights = []
     true = stages.distance_matrix
     for module in (stages, prepared_shape):  # where matrices are asked for

@@ -129,11 +129,17 @@ def test_debug_shows_the_traceback(qgeo: Qgeo) -> None:
     assert isinstance(result.exception, FileNotFoundError)
 
 
-def test_a_bug_is_not_taken_for_bad_input(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("kind", [ValueError, LookupError, KeyError, TypeError, ImportError, NotImplementedError])
+def test_a_bug_is_not_taken_for_bad_input(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch, kind: type[Exception]) -> None:
     from qgeo_filters.cli import mesh
 
-    monkeypatch.setattr(mesh, "details", lambda surface: {}["bug"])
-    assert isinstance(qgeo("info", "sphere.ply").exception, KeyError)
+    def planted(surface: Surface) -> None:
+        raise kind("a bug of ours")
+
+    monkeypatch.setattr(mesh, "details", planted)
+    result = qgeo("info", "sphere.ply")
+    assert type(result.exception) is kind
+    assert (result.exit_code, result.stderr) == (1, "")
 
 
 def test_a_failing_write_leaves_no_part_of_a_file(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -194,6 +200,21 @@ def test_process_fails_in_one_line(meshes: Path) -> None:
     assert done.stdout == ""
     assert done.stderr.count("\n") == 1
     assert "edge (0, 1) has 3 faces" in done.stderr
+
+
+def test_process_shows_the_traceback_of_a_bug(meshes: Path) -> None:
+    code = (
+        "from qgeo_filters.report import figures\n"
+        "def planted(*args):\n"
+        "    raise ValueError('a bug of ours')\n"
+        "figures.plot_surface = planted\n"
+        "from qgeo_filters.cli import main\n"
+        "main()\n"
+    )
+    done = process("info", "sphere.ply", cwd=meshes, code=code)
+    assert done.returncode == 1
+    assert done.stderr.startswith("Traceback")
+    assert done.stderr.endswith("ValueError: a bug of ours\n")
 
 
 def test_process_interrupted_by_a_signal(meshes: Path) -> None:

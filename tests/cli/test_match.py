@@ -11,6 +11,9 @@ import pytest
 from typer.testing import Result
 
 import qgeo_filters as qg
+from qgeo_filters.caching import cache
+from qgeo_filters.filters import stages
+from qgeo_filters.matching import symmetry
 
 Qgeo = Callable[..., Result]
 Loaded = Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]
@@ -99,3 +102,23 @@ def test_truth_in_an_archive_of_unnamed_arrays(qgeo: Qgeo) -> None:
     result = qgeo("match", "blob.off", "blob.off", "--truth", "truth.npz")
     assert result.exit_code == 2
     assert "a, b" in result.stderr
+
+
+@pytest.mark.parametrize("max_bytes", [2 << 30, 0])
+def test_what_belongs_to_a_shape_is_computed_once(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch, max_bytes: int) -> None:
+    """A symmetric shape against itself: one descriptor and one symmetry, whatever the bound of the cache."""
+    searched, measured = [], []
+    search, measure = symmetry.candidates, stages.distance_matrix
+    monkeypatch.setattr(symmetry, "candidates", lambda *args, **options: searched.append(1) or search(*args, **options))
+    monkeypatch.setattr(
+        stages, "distance_matrix", lambda *args, **options: measured.append(1) or measure(*args, **options)
+    )
+    cache.clear()
+    cache.configure(max_bytes=max_bytes)
+    try:
+        result = qgeo("match", "mirror.off", "mirror.off", "--no-pictures")
+    finally:
+        cache.configure()
+    assert result.exit_code == 0, result.stderr
+    assert len(searched) == 1
+    assert len(measured) == 3  # one for each metric that proposes maps

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from typing import Any
 
 import browser as tools
-import igl
 import numpy as np
 import pytest
 import shapes
@@ -25,12 +24,6 @@ def pair() -> tuple[Surface, Surface, np.ndarray]:
     x = Surface(vertices, faces, {"height": vertices[:, 2]})
     y = Surface(3.0 * vertices[shuffle] @ turn.T + 1.0, where[faces])
     return x, y, where
-
-
-@pytest.fixture(scope="session")
-def fine() -> Surface:
-    """A shape of 40962 vertices."""
-    return Surface(*igl.upsample(*shapes.blob(5, seed=1)))
 
 
 @pytest.fixture

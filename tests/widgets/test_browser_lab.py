@@ -10,7 +10,7 @@ import pytest
 import shapes
 
 from qgeo_filters import Surface
-from qgeo_widgets.frames import frame_of
+from qgeo_widgets.scene_placement import placement_of
 from qgeo_widgets.viewer import Viewer
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -32,10 +32,10 @@ def notebook(page, lab, pair, request):
 
 def place_on_screen(surface, vertex: int, size: tuple[int, int], canvas) -> tuple[float, float]:
     """Where on the page the first view shows a vertex, and that it faces the viewer."""
-    viewer = Viewer([surface], [frame_of(surface)], size, ["X"])
-    camera, frame = np.array(viewer.home), viewer.panes[0].frame
+    viewer = Viewer([surface], [placement_of(surface)], size, ["X"])
+    camera, placement = np.array(viewer.home), viewer.panes[0].placement
     viewer.close()
-    x, y, z = frame.to_scene(surface.vertices[vertex])
+    x, y, z = placement.to_scene(surface.vertices[vertex])
     slope = np.tan(np.radians(26.0 / 2)) * (camera[2] - z)
     box = canvas.bounding_box()
     right = box["x"] + box["width"] * 0.5 * (1 + x / (slope * size[0] / size[1]))
@@ -44,7 +44,7 @@ def place_on_screen(surface, vertex: int, size: tuple[int, int], canvas) -> tupl
 
 def front_vertices(surface) -> list[int]:
     """Vertices that look at the viewer in the first view, most of all first."""
-    return np.argsort(-(surface.vertex_normals @ frame_of(surface).axes[2])).tolist()
+    return np.argsort(-(surface.vertex_normals @ placement_of(surface).axes[2])).tolist()
 
 
 def test_compare_by_mouse(notebook, page, pair):

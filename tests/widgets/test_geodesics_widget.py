@@ -101,7 +101,8 @@ def test_distance_follows_the_weight(widget, surface):
 
 def test_source_equal_to_target_and_bad_vertices(widget):
     widget.source, widget.target = 10, 10
-    assert widget.message == "" or "10" in widget.message
+    assert widget.message == ""
+    assert widget.path.length == 0.0
     with pytest.raises(ValueError, match="target is vertex 9999"):
         widget.target = 9999
 
@@ -112,7 +113,23 @@ def test_two_pieces_have_no_path(surface):
     widget = qw.geodesics((vertices, faces), 0, 700, scalar="gaussian_curvature")
     assert "piece" in widget.message
     assert widget._viewer.panes[0].lines == {}
+    widget.target = 600
+    assert widget.message == ""
+    assert widget.path is not None
+    widget.mode = names.DISTANCE
+    widget.target = 700
+    assert "piece" in widget.message  # the new colours do not take it away
+    assert widget.path is None  # nor is the old path left
+    assert widget._viewer.panes[0].lines == {}
     widget.close()
+
+
+def test_distance_without_a_source_asks_for_one(widget):
+    widget.mode = names.DISTANCE
+    assert widget.hint.startswith("Click the source of a path")
+    assert widget.message == ""
+    widget.source = 10
+    assert widget.hint == ""
 
 
 def test_closing_frees_everything(surface, counted):

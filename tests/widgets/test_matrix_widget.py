@@ -58,6 +58,14 @@ def test_hover_shows_the_row_on_the_shape(widget, surface):
     assert f">{widget.picked}</td>" in widget._info.value
 
 
+def test_distances_without_a_row_ask_for_one(widget):
+    widget.mode = names.DISTANCE
+    assert widget.hint.startswith("Move over the matrix or click on the shape")
+    assert widget.message == ""
+    hover(widget, 70, 30)
+    assert widget.hint == ""
+
+
 def test_a_vertex_without_a_row_has_its_own_distances(widget, surface):
     loose = next(v for v in range(surface.n_vertices) if v not in widget._row_of_vertex)
     widget.picked = loose

@@ -48,7 +48,7 @@ def test_mirror_images_have_one_color(widget, mirror):
 
 
 def test_second_pane_shows_the_back(widget):
-    front, back = (pane.frame for pane in widget._viewer.panes)
+    front, back = (pane.placement for pane in widget._viewer.panes)
     np.testing.assert_allclose(back.axes[1], front.axes[1])
     np.testing.assert_allclose(back.axes[[0, 2]], -front.axes[[0, 2]])
     np.testing.assert_array_equal(widget._viewer.panes[0].colors, widget._viewer.panes[1].colors)
@@ -79,7 +79,7 @@ def test_sides_have_two_colors_and_the_axis_a_third(widget, mirror):
     for value in (-1, 0, 1):
         assert len(np.unique(colors[mirror.side == value], axis=0)) == 1
     assert len(np.unique(colors, axis=0)) == 3
-    for name in ("left", "right", "on the axis"):
+    for name in ("side 1", "side −1", "on the axis"):
         assert name in widget._legend.value
 
 

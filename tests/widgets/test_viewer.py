@@ -10,14 +10,14 @@ import pytest
 import shapes
 
 from qgeo_filters import Surface
-from qgeo_widgets.frames import aligned_frame, frame_of
+from qgeo_widgets.scene_placement import aligned_placement, placement_of
 from qgeo_widgets.viewer import Viewer
 
 
 @pytest.fixture
 def viewer(pair):
     x, y, _ = pair
-    viewer = Viewer([x, y], [frame_of(x), frame_of(y)], (300, 200), ["X", "Y"])
+    viewer = Viewer([x, y], [placement_of(x), placement_of(y)], (300, 200), ["X", "Y"])
     yield viewer
     viewer.close()
 
@@ -25,7 +25,7 @@ def viewer(pair):
 def hit(pane, vertex: int, share: float = 0.2) -> dict:
     """What the browser sends for a point of the surface beside a vertex."""
     face = pane.surface.faces[(pane.surface.faces == vertex).any(axis=1)][0]
-    points = pane.frame.to_scene(pane.surface.vertices)
+    points = pane.placement.to_scene(pane.surface.vertices)
     place = (1 - share) * points[vertex] + share * points[face].mean(axis=0)
     return {"faceIndex": 0, "face": face.astype(float).tolist(), "point": place.tolist()}
 
@@ -36,20 +36,20 @@ def click(pane, vertex: int) -> None:
     pane.picker.set_state(hit(pane, vertex))
 
 
-def test_frames_make_shapes_of_one_size(pair):
+def test_placements_make_shapes_of_one_size(pair):
     for surface in pair[:2]:
-        placed = surface.with_vertices(frame_of(surface).to_scene(surface.vertices))
+        placed = surface.with_vertices(placement_of(surface).to_scene(surface.vertices))
         assert placed.area == pytest.approx(1.0)
         np.testing.assert_allclose(placed.vertices.min(axis=0), -placed.vertices.max(axis=0), atol=1e-12)
 
 
-def test_aligned_frame_undoes_a_rotation_but_never_mirrors(pair):
+def test_aligned_placement_undoes_a_rotation_but_never_mirrors(pair):
     x, y, where = pair
-    target = frame_of(x).to_scene(x.vertices)
-    seen = aligned_frame(y, y.vertices[where], target)
+    target = placement_of(x).to_scene(x.vertices)
+    seen = aligned_placement(y, y.vertices[where], target)
     np.testing.assert_allclose(np.linalg.det(seen.axes), 1.0)
     np.testing.assert_allclose(seen.to_scene(y.vertices[where]), target, atol=1e-9)
-    mirrored = aligned_frame(y, y.vertices[where] * [-1, 1, 1], target)
+    mirrored = aligned_placement(y, y.vertices[where] * [-1, 1, 1], target)
     np.testing.assert_allclose(np.linalg.det(mirrored.axes), 1.0)
 
 
@@ -154,7 +154,7 @@ def test_a_line_of_one_point_is_none(viewer):
 
 def test_closing_frees_every_widget_and_the_surface(counted):
     surface = Surface(*shapes.blob(2))
-    viewer = Viewer([surface], [frame_of(surface)], (300, 200), ["X"])
+    viewer = Viewer([surface], [placement_of(surface)], (300, 200), ["X"])
     viewer.panes[0].set_line("path", surface.vertices[:5])
     viewer.panes[0].set_line("path", surface.vertices[:7])
     viewer.panes[0].set_mark("end", surface.vertices[0])
@@ -171,4 +171,4 @@ def test_closing_frees_every_widget_and_the_surface(counted):
 def test_no_more_than_two_canvases(pair):
     x = pair[0]
     with pytest.raises(ValueError, match="one or two canvases"):
-        Viewer([x] * 3, [frame_of(x)] * 3, (300, 200), ["a", "b", "c"])
+        Viewer([x] * 3, [placement_of(x)] * 3, (300, 200), ["a", "b", "c"])

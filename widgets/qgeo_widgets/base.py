@@ -11,7 +11,7 @@ import ipywidgets
 import traitlets
 
 from qgeo_filters.atomic import atomic_write
-from qgeo_filters.errors import ParameterError
+from qgeo_filters.errors import ParameterError, QgeoError
 from qgeo_widgets import controls
 from qgeo_widgets.disposal import close_tree
 from qgeo_widgets.fields import Field, ScalarField
@@ -22,11 +22,18 @@ EIGENFUNCTION = "eigenfunction"
 ATTRIBUTE = "attribute: "
 
 
+def chosen(vertex: int | None) -> int:
+    """The vertex, where one must have been chosen."""
+    if vertex is None:
+        raise RuntimeError("no vertex was chosen, and what needs one was asked for")
+    return vertex
+
+
 class ShapeWidget(ipywidgets.VBox):
     """Shapes coloured by a choice of modes, with a legend, a range slider and a line for messages.
 
-    A subclass makes its viewer, fills ``_modes`` and calls ``_assemble``, all within ``_guarded``: what goes
-    wrong on the way is then a sentence in the widget, and the widget stays usable.
+    A subclass makes its viewer, fills ``_modes`` and calls ``_assemble``, all within ``_guarded``: what a user can
+    mend is then a sentence in the widget, and the widget stays usable. A bug is raised where it happens.
 
     Attributes
     ----------
@@ -39,7 +46,9 @@ class ShapeWidget(ipywidgets.VBox):
     camera : (float, float, float)
         Where the camera stands; it looks at the origin of a scene in which sqrt(area) of each shape is 1.
     message : str
-        The sentence that the widget shows; empty when all is well.
+        The sentence that the widget shows on what went wrong; empty when all is well.
+    hint : str
+        What there is to do before the mode can be shown; empty when it is shown.
     """
 
     _page_title = "Shapes"
@@ -48,6 +57,7 @@ class ShapeWidget(ipywidgets.VBox):
     limits = traitlets.Tuple(traitlets.Float(), traitlets.Float(), default_value=None, allow_none=True)
     camera = traitlets.Tuple(traitlets.Float(), traitlets.Float(), traitlets.Float(), default_value=(0.0, 0.0, 1.0))
     message = traitlets.Unicode()
+    hint = traitlets.Unicode()
 
     def __init__(self) -> None:
         self._modes: dict[str, Callable[[int], Field]] = {}
@@ -55,6 +65,7 @@ class ShapeWidget(ipywidgets.VBox):
         self._field: Field | None = None
         self._titles: Sequence[str] = ()
         self._settling = False
+        self._guards = 0
         self._message_line = ipywidgets.HTML()
         super().__init__([self._message_line])
         self.layout.overflow = "visible"
@@ -63,12 +74,26 @@ class ShapeWidget(ipywidgets.VBox):
 
     @contextmanager
     def _guarded(self) -> Iterator[None]:
-        """Turn what a user can cause into a sentence in the widget."""
+        """Turn what a user can mend into a sentence in the widget; guards within a guard leave its sentence.
+
+        That is a `QgeoError`, or what the system says of a file. Any other exception is a bug, and is raised.
+        """
+        self._guards += 1
         try:
-            self.message = ""
+            if self._guards == 1:
+                self.message = ""
             yield
-        except (ValueError, ImportError, OSError, NotImplementedError) as error:
+        except (QgeoError, OSError) as error:
             self.message = " ".join(str(error).split())
+        finally:
+            self._guards -= 1
+
+    @property
+    def _open_viewer(self) -> Viewer:
+        """The viewer, where there must be one."""
+        if self._viewer is None:
+            raise RuntimeError("the widget was closed, or never came to show anything")
+        return self._viewer
 
     def _assemble(
         self,
@@ -113,9 +138,9 @@ class ShapeWidget(ipywidgets.VBox):
         self.mode = mode
         traitlets.link((self, "mode"), (self._mode_list, "value"))
 
-    def _ready(self, mode: str) -> bool:
-        """Whether the mode can be shown now, without a point picked first."""
-        return True
+    def _missing(self, mode: str) -> str:
+        """What there is to do before the mode can be shown, as a sentence; empty when nothing is."""
+        return ""
 
     def _columns(self, mode: str) -> int:
         """How many values k has in a mode; 1 hides its slider."""
@@ -130,6 +155,9 @@ class ShapeWidget(ipywidgets.VBox):
                 count = self._columns(self.mode)
                 self._k_slider.max = max(count, 1)
                 self._k_slider.layout.display = "" if count > 1 else "none"
+            self.hint = self._missing(self.mode)
+            if self.hint:
+                return
             field = self._modes[self.mode](self.k)
             self._field = field
             self._settling = True
@@ -172,7 +200,7 @@ class ShapeWidget(ipywidgets.VBox):
         ----------
         path : path
         modes : sequence of str, optional
-            Which modes the page offers; by default all of `modes` that need no point picked first.
+            Which modes the page offers; by default all of `modes` that can be shown now.
         """
         from qgeo_widgets.export import Page, write_page
 
@@ -181,7 +209,10 @@ class ShapeWidget(ipywidgets.VBox):
         unknown = set(modes or ()) - set(self._modes)
         if unknown:
             raise ParameterError(f"unknown modes {sorted(unknown)}; there are {', '.join(self._modes)}")
-        chosen = modes or [name for name in self.modes if self._ready(name)]
+        chosen = modes or [name for name in self.modes if not self._missing(name)]
+        for name in chosen:
+            if self._missing(name):
+                raise ParameterError(f"mode {name!r} cannot be written yet. {self._missing(name)}")
         page = Page(
             title=self._page_title,
             names=self._titles,
@@ -220,9 +251,9 @@ class ShapeWidget(ipywidgets.VBox):
             return self.mode
         return wanted
 
-    @traitlets.observe("message")
+    @traitlets.observe("message", "hint")
     def _show_message(self, change: Any) -> None:
-        self._message_line.value = controls.sentence(change["new"])
+        self._message_line.value = controls.sentence(self.message) + controls.advice(self.hint)
 
     def _camera_set(self, change: Any) -> None:
         if self._viewer is not None and tuple(change["new"]) != self._viewer.camera:
@@ -255,9 +286,9 @@ class ShapeWidget(ipywidgets.VBox):
             self._saved.value = f'<a download="qgeo-snapshot.png" href="{url}">save snapshot.png</a>'
 
     def _draw_fallbacks(self) -> None:
-        assert self._viewer is not None
-        for pane, fallback in zip(self._viewer.panes, self._viewer.fallbacks, strict=True):
-            fallback.show(png_url(pane_picture(self._viewer, pane)))
+        viewer = self._open_viewer
+        for pane, fallback in zip(viewer.panes, viewer.fallbacks, strict=True):
+            fallback.show(png_url(pane_picture(viewer, pane)))
 
     def _repr_mimebundle_(self, **kwargs: Any) -> Any:
         bundle = super()._repr_mimebundle_(**kwargs)

@@ -11,14 +11,15 @@ import numpy.typing as npt
 import traitlets
 
 from qgeo_filters._typing import FloatArray
-from qgeo_filters.errors import ParameterError
+from qgeo_filters.defaults import EIGENPAIRS
+from qgeo_filters.filters import stages
 from qgeo_filters.report.colors import position_colors
 from qgeo_filters.validation import checked_index
 from qgeo_widgets import controls
 from qgeo_widgets.base import ATTRIBUTE, EIGENFUNCTION, ShapeWidget
 from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field, region_field
-from qgeo_widgets.frames import aligned_frame, frame_of
-from qgeo_widgets.shape import EIGENFUNCTIONS, Shape
+from qgeo_widgets.scene_placement import aligned_placement, placement_of
+from qgeo_widgets.shape import Shape
 from qgeo_widgets.vertex_map import VertexMap
 from qgeo_widgets.viewer import Viewer
 
@@ -73,11 +74,12 @@ class CompareWidget(ShapeWidget):
             self._correspondence: MatchResult | None = None
             self._map = self._given = VertexMap(one, other, self._matched(progress) if p2p is None else p2p)
             self._truth = None if truth is None else VertexMap(one, other, truth)
-            frame_x = frame_of(surfaces[0])
+            self._errors_of: dict[bool, FloatArray] = {}
+            placement_x = placement_of(surfaces[0])
             seen = surfaces[1].vertices[self._map.forward]
-            frame_y = aligned_frame(surfaces[1], seen, frame_x.to_scene(surfaces[0].vertices))
+            placement_y = aligned_placement(surfaces[1], seen, placement_x.to_scene(surfaces[0].vertices))
             titles = [f"<b>{s.name}</b>, {s.surface.n_vertices} vertices" for s in self._shapes]
-            viewer = Viewer(surfaces, [frame_x, frame_y], size, titles)
+            viewer = Viewer(surfaces, [placement_x, placement_y], size, titles)
             self._modes = self._make_modes()
             follow = controls.tick("distances on click", True, "a click also shows the distances from the point")
             flip = controls.tick("mirrored", False, "the map followed by the self-symmetry of Y")
@@ -104,26 +106,27 @@ class CompareWidget(ShapeWidget):
     # -- the map ------------------------------------------------------------------------------------
 
     def _matched(self, progress: bool) -> npt.NDArray[np.integer]:
-        from qgeo_filters.matching.correspondence import match
-
-        found = self._correspondence = match(*(shape.surface for shape in self._shapes), progress=progress)
+        one, other = (shape.surface for shape in self._shapes)
+        found = self._correspondence = stages.correspondence_of(one, other, True, progress)
         return found.p2p
 
     def _flip(self) -> None:
         with self._guarded():
-            self._map = self._given.then(self._mirror) if self.flip else self._given
+            mirror = self._mirror if self.flip else None
+            if self.flip and mirror is None:
+                self.flip = False  # the map that is shown is the one that was given
+                self.message = "No symmetry was found on Y, so that the map has no mirrored twin."
+                return
+            self._map = self._given if mirror is None else self._given.then(mirror)
             self._show_orientation()
             self._show_picks()
-        self._refresh(new_mode=True)
+            self._refresh(new_mode=True)
 
     @cached_property
-    def _mirror(self) -> npt.NDArray[np.integer]:
-        from qgeo_filters.matching.symmetry import self_symmetry
-
-        symmetry = self_symmetry(self._shapes[1].surface)
-        if not symmetry.found:
-            raise ParameterError("No symmetry was found on Y, so that the map has no mirrored twin.")
-        return symmetry.p2p
+    def _mirror(self) -> npt.NDArray[np.integer] | None:
+        """Mirror vertex of each vertex of Y; None where no symmetry is found."""
+        symmetry = stages.symmetry_of(self._shapes[1].surface)
+        return symmetry.p2p if symmetry.found else None
 
     def _show_orientation(self) -> None:
         value = self._map.orientation
@@ -173,9 +176,12 @@ class CompareWidget(ShapeWidget):
                 for pane, vertex in zip(self._viewer.panes, pair, strict=True):
                     place = None if vertex is None else pane.surface.vertices[vertex]
                     pane.set_mark(slot, place, _COLORS[slot])
-            self._info.value = self._described(self._path_lengths())
-        if self.mode == DISTANCE:
-            self._refresh()
+            lengths: list[str] = []
+            with self._guarded():  # between two pieces there is no path, the points are described all the same
+                lengths = self._path_lengths()
+            self._info.value = self._described(lengths)
+            if self.mode == DISTANCE:
+                self._refresh()
 
     def _described(self, lengths: list[str]) -> str:
         if not self.pairs:
@@ -187,21 +193,20 @@ class CompareWidget(ShapeWidget):
             values = [dict(s.described(v)) for s, v in zip(self._shapes, (i, j), strict=True)]
             rows += [[key, *(v.get(key, "–") for v in values)] for key in sorted(values[0] | values[1])]
             if self._truth is not None:
-                rows.append(["error there", f"{self._errors[i]:.4f} √area", ""])
+                rows.append(["error there", f"{self._errors(self._truth)[i]:.4f} √area", ""])
         return controls.table(rows + ([["quasi-geodesic", *lengths]] if lengths else []), head)
 
     def _path_lengths(self) -> list[str]:
         """Draw the path between two picked points on each shape; its lengths as text, none unless there are two."""
-        assert self._viewer is not None
-        ends = self.pairs
-        for pane in self._viewer.panes:
+        ends, panes = self.pairs, self._open_viewer.panes
+        for pane in panes:
             pane.set_line("path", None)
         if len(ends) < 2:
             return []
         from qgeo_filters.geodesics.path.paths import quasi_geodesic
 
         lengths = []
-        for side, (pane, shape) in enumerate(zip(self._viewer.panes, self._shapes, strict=True)):
+        for side, (pane, shape) in enumerate(zip(panes, self._shapes, strict=True)):
             path = quasi_geodesic(shape.surface, ends[0][side], ends[1][side], shape.metric)
             pane.set_line("path", path.points, _COLORS["first"])
             lengths.append(f"{path.length / shape.unit:.4f} √area")
@@ -211,21 +216,23 @@ class CompareWidget(ShapeWidget):
 
     def _make_modes(self) -> dict[str, Any]:
         modes: dict[str, Any] = {CARRIED: self._carried_field, EIGENFUNCTION: self._eigen_field}
-        if self._correspondence is not None:
-            modes |= {REGIONS: self._region_field, DISTORTION: self._distortion_field}
+        found = self._correspondence
+        if found is not None:
+            modes |= {REGIONS: partial(self._region_field, found), DISTORTION: partial(self._distortion_field, found)}
         modes[DISTANCE] = self._distance_field
         if self._truth is not None:
-            modes[ERROR] = self._error_field
+            modes[ERROR] = partial(self._error_field, self._truth)
         for name in {**self._shapes[0].surface.attributes, **self._shapes[1].surface.attributes}:
             modes[ATTRIBUTE + name] = partial(self._attribute_field, name)
         return modes
 
-    def _ready(self, mode: str) -> bool:
-        return mode != DISTANCE or self.picked is not None
+    def _missing(self, mode: str) -> str:
+        absent = mode == DISTANCE and self.picked is None
+        return "Click a point on one of the shapes: the distances from it are then shown." if absent else ""
 
     def _columns(self, mode: str) -> int:
         if mode == EIGENFUNCTION:
-            return min(EIGENFUNCTIONS, *(shape.surface.n_vertices for shape in self._shapes))
+            return min(EIGENPAIRS, *(shape.surface.n_vertices for shape in self._shapes))
         if mode.startswith(ATTRIBUTE):
             return max(shape.columns(mode.removeprefix(ATTRIBUTE)) for shape in self._shapes)
         return 1
@@ -233,24 +240,19 @@ class CompareWidget(ShapeWidget):
     @cached_property
     def _position_colors(self) -> FloatArray:
         surface = self._shapes[0].surface
-        assert self._viewer is not None
-        return position_colors(surface.vertices, self._viewer.panes[0].frame.axes)
+        return position_colors(surface.vertices, self._open_viewer.panes[0].placement.axes)
 
     def _carried_field(self, k: int) -> Field:
         colors = self._position_colors
         label = "each point of Y has the colour of its partner on X; on X the colour tells the place"
         return ColorField([colors, colors[self._map.backward]], label)
 
-    def _region_field(self, k: int) -> Field:
-        assert self._correspondence is not None
-        regions = [self._correspondence.regions_x, self._correspondence.regions_y]
-        return region_field(regions, "regions of one colour belong together")
+    def _region_field(self, found: MatchResult, k: int) -> Field:
+        return region_field([found.regions_x, found.regions_y], "regions of one colour belong together")
 
-    def _distortion_field(self, k: int) -> Field:
-        assert self._correspondence is not None
-        distortion = self._correspondence.distortion
+    def _distortion_field(self, found: MatchResult, k: int) -> Field:
         label = "mean |d(p, q) − d(Tp, Tq)| of the map that was found / √area"
-        return ScalarField([distortion, distortion[self._given.backward]], label)
+        return ScalarField([found.distortion, found.distortion[self._given.backward]], label)
 
     def _eigen_field(self, k: int) -> Field:
         on_x, on_y = (shape.eigenfunction(k) for shape in self._shapes)
@@ -259,28 +261,20 @@ class CompareWidget(ShapeWidget):
         return ScalarField([on_x, on_y if agreement >= 0 else -on_y], f"φ{_small(k)} √A (no unit)", True)
 
     def _distance_field(self, k: int) -> Field:
-        if not self.pairs:
-            raise ParameterError("Click a point on one of the shapes: the distances from it are then shown.")
         ends = self.pairs[0]
         fields = [shape.distances_from(v) for shape, v in zip(self._shapes, ends, strict=True)]
         return ScalarField(fields, f"distance from vertex {ends[0]} of X and {ends[1]} of Y / √area")
 
-    @cached_property
-    def _truth_errors(self) -> dict[bool, FloatArray]:
-        return {}
-
-    @property
-    def _errors(self) -> FloatArray:
+    def _errors(self, truth: VertexMap) -> FloatArray:
         from qgeo_filters.evaluation import geodesic_error
 
-        assert self._truth is not None
-        if self.flip not in self._truth_errors:
+        if self.flip not in self._errors_of:
             y = self._shapes[1].surface
-            self._truth_errors[self.flip] = geodesic_error(self._map.forward, self._truth.forward, y)
-        return self._truth_errors[self.flip]
+            self._errors_of[self.flip] = geodesic_error(self._map.forward, truth.forward, y)
+        return self._errors_of[self.flip]
 
-    def _error_field(self, k: int) -> Field:
-        errors = self._errors
+    def _error_field(self, truth: VertexMap, k: int) -> Field:
+        errors = self._errors(truth)
         label = f"geodesic error on Y / √area (mean {errors.mean():.4f}, largest {errors.max():.4f})"
         return ScalarField([errors, errors[self._map.backward]], label)
 

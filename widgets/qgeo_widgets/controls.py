@@ -96,6 +96,11 @@ def sentence(text: str) -> str:
     )
 
 
+def advice(text: str) -> str:
+    """What the reader may do next, as HTML."""
+    return f'<div style="margin:4px 2px;padding:2px 10px;line-height:1.4">{escape(text)}</div>' if text else ""
+
+
 def table(rows: Sequence[Sequence[str]], head: Sequence[str] = ()) -> str:
     """A small table as HTML."""
     if not rows:

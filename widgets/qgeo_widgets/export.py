@@ -142,19 +142,19 @@ def three_js() -> str:
 
 
 def _shape(pane: Any, name: str) -> dict[str, Any]:
-    surface, frame = pane.surface, pane.frame
+    surface, placement = pane.surface, pane.placement
     return {
         "name": name,
         "title": f"<b>{escape(name)}</b>, {surface.n_vertices} vertices",
-        "positions": _b64(frame.to_scene(surface.vertices), np.float32),
-        "normals": _b64(surface.vertex_normals @ frame.axes.T, np.float32),
+        "positions": _b64(placement.to_scene(surface.vertices), np.float32),
+        "normals": _b64(surface.vertex_normals @ placement.axes.T, np.float32),
         "index": _b64(surface.faces, np.uint32),
         "marks": [
-            {"place": frame.to_scene(place).tolist(), "color": css(np.asarray(color))}
+            {"place": placement.to_scene(place).tolist(), "color": css(np.asarray(color))}
             for place, color in pane.marks.values()
         ],
         "lines": [
-            {"points": _b64(frame.to_scene(curve), np.float32), "color": css(np.asarray(color))}
+            {"points": _b64(placement.to_scene(curve), np.float32), "color": css(np.asarray(color))}
             for curve, color in pane.lines.values()
         ],
     }

@@ -19,7 +19,7 @@ STYLE = """<style>
 _SENTENCE = "This browser shows no WebGL, so this is a still picture. The controls work; then draw it anew."
 
 
-class StillPicture(ipywidgets.VBox):
+class FallbackImage(ipywidgets.VBox):
     """Sentence, button and picture over the place of a canvas, seen only while there is no canvas."""
 
     def __init__(self) -> None:

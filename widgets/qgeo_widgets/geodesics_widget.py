@@ -12,15 +12,14 @@ import traitlets
 
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar, surface_scalar
-from qgeo_filters.errors import ParameterError
+from qgeo_filters.errors import QgeoError
 from qgeo_filters.geodesics.matrix import distances
-from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.geodesics.path.paths import GeodesicPath, quasi_geodesic
 from qgeo_filters.validation import checked_index
 from qgeo_widgets import chart, controls
-from qgeo_widgets.base import ATTRIBUTE, ShapeWidget
+from qgeo_widgets.base import ATTRIBUTE, ShapeWidget, chosen
 from qgeo_widgets.fields import Field, ScalarField, number_field
-from qgeo_widgets.frames import frame_of
+from qgeo_widgets.scene_placement import placement_of
 from qgeo_widgets.shape import Shape
 from qgeo_widgets.viewer import Viewer
 
@@ -62,12 +61,11 @@ class GeodesicsWidget(ShapeWidget):
         super().__init__()
         with self._guarded():
             self._shape = Shape(mesh, "X", curvature_weight, scalar)
-            self._scalar_given = scalar
             surface = self._shape.surface
             self._scalar = surface_scalar(surface, scalar)
             self._distances: tuple[tuple[int, float], npt.NDArray[np.float64]] | None = None
             self.weight = curvature_weight
-            viewer = Viewer([surface], [frame_of(surface)], size, [f"<b>shape</b>, {surface.n_vertices} vertices"])
+            viewer = Viewer([surface], [placement_of(surface)], size, [f"<b>shape</b>, {surface.n_vertices} vertices"])
             self._modes = {SCALAR: self._scalar_field, DISTANCE: self._distance_field}
             for name in surface.attributes:
                 self._modes[ATTRIBUTE + name] = partial(self._attribute_field, name)
@@ -97,8 +95,9 @@ class GeodesicsWidget(ShapeWidget):
     def _columns(self, mode: str) -> int:
         return self._shape.columns(mode.removeprefix(ATTRIBUTE)) if mode.startswith(ATTRIBUTE) else 1
 
-    def _ready(self, mode: str) -> bool:
-        return mode != DISTANCE or self.source is not None
+    def _missing(self, mode: str) -> str:
+        absent = mode == DISTANCE and self.source is None
+        return "Click the source of a path: the distances from it are then shown." if absent else ""
 
     # -- the path -----------------------------------------------------------------------------------
 
@@ -124,20 +123,24 @@ class GeodesicsWidget(ShapeWidget):
             vertices = self._shape.surface.vertices
             pane.set_mark("source", None if self.source is None else vertices[self.source], _SOURCE)
             pane.set_mark("target", None if self.target is None else vertices[self.target], _TARGET)
-            self.set_trait("path", self._found())
-            self._show_path()
-        if self.mode == DISTANCE:
-            self._refresh()
+            try:
+                self.set_trait("path", self._found())
+            except QgeoError:
+                self.set_trait("path", None)  # not the one before
+                raise
+            finally:
+                self._show_path()
+                if self.mode == DISTANCE:
+                    self._refresh()
 
     def _found(self) -> GeodesicPath | None:
         if self.source is None or self.target is None:
             return None
-        metric = lifted_metric(self._shape.surface, self._scalar_given, self.weight)
+        metric = self._shape.metric_of_weight(self.weight)
         return quasi_geodesic(self._shape.surface, self.source, self.target, metric, initial="edges")
 
     def _show_path(self) -> None:
-        assert self._viewer is not None
-        pane, path = self._viewer.panes[0], self.path
+        pane, path = self._open_viewer.panes[0], self.path
         pane.set_line("before", path.initial_points if path is not None and self.before else None, _BEFORE, 2.5)
         pane.set_line("path", None if path is None else path.points, _TARGET)
         self._plot.layout.display = "none" if path is None else ""
@@ -189,14 +192,13 @@ class GeodesicsWidget(ShapeWidget):
         return ScalarField([self._scalar], "f, in standard deviations", True)
 
     def _distance_field(self, k: int) -> Field:
-        if self.source is None:
-            raise ParameterError("Click the source of a path: the distances from it are then shown.")
-        key = self.source, self.weight
+        source = chosen(self.source)
+        key = source, self.weight
         if self._distances is None or self._distances[0] != key:
-            metric = lifted_metric(self._shape.surface, self._scalar_given, self.weight)
-            row = distances(self._shape.surface, [self.source], metric)[0] / self._shape.unit
+            metric = self._shape.metric_of_weight(self.weight)
+            row = distances(self._shape.surface, [source], metric)[0] / self._shape.unit
             self._distances = key, row
-        return ScalarField([self._distances[1]], f"distance from vertex {self.source} at λ = {self.weight:.3f} / √area")
+        return ScalarField([self._distances[1]], f"distance from vertex {source} at λ = {self.weight:.3f} / √area")
 
     def _attribute_field(self, name: str, k: int) -> Field:
         return number_field([self._shape.attribute(name, k)], name)

@@ -15,11 +15,11 @@ from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.report.charts import matrix_order
 from qgeo_filters.report.colors import ordered_colors, sequential
 from qgeo_widgets import controls
-from qgeo_widgets.base import ATTRIBUTE, ShapeWidget
+from qgeo_widgets.base import ATTRIBUTE, ShapeWidget, chosen
 from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field
-from qgeo_widgets.frames import frame_of
 from qgeo_widgets.legend import css
 from qgeo_widgets.matrix_pane import MatrixPane
+from qgeo_widgets.scene_placement import placement_of
 from qgeo_widgets.shape import Shape
 from qgeo_widgets.viewer import Viewer
 
@@ -57,7 +57,7 @@ class MatrixWidget(ShapeWidget):
             self._row_of_vertex = {int(v): r for r, v in enumerate(self._vertex_of_row)}
             square = self._table[:, self._vertex_of_row]
             image = np.rint(255 * sequential(square)(square)).astype(np.uint8)
-            viewer = Viewer([shape.surface], [frame_of(shape.surface)], (size, size), [_title(shape)])
+            viewer = Viewer([shape.surface], [placement_of(shape.surface)], (size, size), [_title(shape)])
             self._pane = MatrixPane(image, size)
             self._modes = {DISTANCE: self._distance_field, ORDER: self._order_field}
             for name in shape.surface.attributes:
@@ -77,8 +77,11 @@ class MatrixWidget(ShapeWidget):
             self.observe(self._vertex_chosen, "picked")
             self._info.value = controls.table([["Move over the matrix, or click on the shape."]])
 
-    def _ready(self, mode: str) -> bool:
-        return mode != DISTANCE or self.picked is not None
+    def _missing(self, mode: str) -> str:
+        absent = mode == DISTANCE and self.picked is None
+        return (
+            "Move over the matrix or click on the shape: the distances of that vertex are then shown." if absent else ""
+        )
 
     def _columns(self, mode: str) -> int:
         return self._shape.columns(mode.removeprefix(ATTRIBUTE)) if mode.startswith(ATTRIBUTE) else 1
@@ -152,11 +155,8 @@ class MatrixWidget(ShapeWidget):
         return self._shape.distances_from(vertex) if row is None else self._table[row].astype(np.float64)
 
     def _distance_field(self, k: int) -> Field:
-        if self.picked is None:
-            raise ParameterError(
-                "Move over the matrix or click on the shape: the distances of that vertex are then shown."
-            )
-        return ScalarField([self._distances(self.picked)], f"distance from vertex {self.picked} / √area")
+        picked = chosen(self.picked)
+        return ScalarField([self._distances(picked)], f"distance from vertex {picked} / √area")
 
     def _order_field(self, k: int) -> Field:
         nearest = self._table.argmin(axis=0)

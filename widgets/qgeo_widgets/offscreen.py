@@ -63,7 +63,7 @@ def data_url(png: bytes) -> str:
 
 
 def _view(viewer: Viewer, pane: Pane) -> View:
-    return View(viewer.view_axes() @ pane.frame.axes, pane.frame.axes[1])
+    return View(viewer.view_axes() @ pane.placement.axes, pane.placement.axes[1])
 
 
 def _glyphs(pane: Pane) -> list[Glyph]:

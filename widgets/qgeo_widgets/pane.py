@@ -13,7 +13,7 @@ from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.surface import Surface
 from qgeo_widgets.disposal import close_tree
-from qgeo_widgets.frames import Frame
+from qgeo_widgets.scene_placement import ScenePlacement
 
 Color = tuple[float, float, float]
 
@@ -29,7 +29,7 @@ class Pane:
     Parameters
     ----------
     surface : Surface
-    frame : Frame
+    placement : ScenePlacement
     camera, orbit : pythreejs camera and OrbitControls
     size : (int, int)
         Of the canvas, in pixels.
@@ -38,14 +38,20 @@ class Pane:
     """
 
     def __init__(
-        self, surface: Surface, frame: Frame, camera: Any, orbit: Any, size: tuple[int, int], mark_radius: float
+        self,
+        surface: Surface,
+        placement: ScenePlacement,
+        camera: Any,
+        orbit: Any,
+        size: tuple[int, int],
+        mark_radius: float,
     ) -> None:
         self.surface = surface
-        self.frame = frame
+        self.placement = placement
         self.colors = np.tile(_CLAY, (surface.n_vertices, 1))
         self.marks: dict[str, tuple[FloatArray, Color]] = {}
         self.lines: dict[str, tuple[FloatArray, Color]] = {}
-        self._points = frame.to_scene(surface.vertices)
+        self._points = placement.to_scene(surface.vertices)
         self._radius = mark_radius
         self._camera = camera
         self._pressed_from = camera.position
@@ -58,7 +64,7 @@ class Pane:
             attributes={
                 "position": three.BufferAttribute(self._points.astype(np.float32), normalized=False),
                 "normal": three.BufferAttribute(
-                    (surface.vertex_normals @ frame.axes.T).astype(np.float32), normalized=False
+                    (surface.vertex_normals @ placement.axes.T).astype(np.float32), normalized=False
                 ),
                 "color": self._color_attribute,
                 "index": three.BufferAttribute(surface.faces.ravel().astype(np.uint32), normalized=False),
@@ -111,7 +117,7 @@ class Pane:
                 self._balls[slot].visible = False
             return
         self.marks[slot] = np.asarray(point, dtype=np.float64), color
-        place = tuple(self.frame.to_scene(point).tolist())
+        place = tuple(self.placement.to_scene(point).tolist())
         ball = self._balls.get(slot)
         if ball is None:
             ball = self._balls[slot] = three.Mesh(
@@ -137,7 +143,7 @@ class Pane:
         if len(curve) < 2:
             return
         self.lines[slot] = curve, color
-        geometry = three.LineGeometry(positions=self.frame.to_scene(curve).astype(np.float32))
+        geometry = three.LineGeometry(positions=self.placement.to_scene(curve).astype(np.float32))
         stroke = self._strokes[slot] = three.Line2(geometry, three.LineMaterial(linewidth=width, color=_hex(color)))
         self._scene.add(stroke)
 

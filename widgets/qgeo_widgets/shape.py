@@ -1,4 +1,4 @@
-"""A surface together with what the widgets compute on it, each thing once."""
+"""A surface together with what the widgets show of it; expensive things come from the stages that filters share."""
 
 from __future__ import annotations
 
@@ -9,17 +9,16 @@ from typing import Any
 import numpy as np
 
 from qgeo_filters._typing import FloatArray
-from qgeo_filters.defaults import CURVATURE_WEIGHT
+from qgeo_filters.defaults import CURVATURE_WEIGHT, EIGENPAIRS
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.filters import stages
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.hosts.dispatch import as_surface
-from qgeo_filters.spectral.distance_spectrum import distance_spectrum
 from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
 
-EIGENFUNCTIONS = 20
 _KEPT_FIELDS = 64
 
 
@@ -50,13 +49,18 @@ class Shape:
     @cached_property
     def metric(self) -> LiftedMetric:
         """The metric that distances, eigenfunctions and paths are measured in."""
-        return lifted_metric(self.surface, self._scalar, self._weight)
+        return stages.metric_of(self.surface, self._scalar, self._weight)
+
+    def metric_of_weight(self, curvature_weight: float) -> LiftedMetric:
+        """The metric that the same scalar gives with another weight."""
+        # Not a stage: the many metrics that a slider passes through would keep their graphs.
+        return lifted_metric(self.surface, self._scalar, curvature_weight)
 
     @cached_property
     def spectrum(self) -> Spectrum:
         """First eigenpairs of the distance operator."""
-        k = min(EIGENFUNCTIONS, self.surface.n_vertices)
-        return distance_spectrum(self.surface, k, self.metric, landmarks=_landmarks(self.surface))
+        k = min(EIGENPAIRS, self.surface.n_vertices)
+        return stages.spectrum_of(self.metric, k, "area", _landmarks(self.surface), "graph", 1e-3)
 
     def distances_from(self, vertex: int) -> FloatArray:
         """Quasi-geodesic distance of every vertex from one, (n,), in units of sqrt(area); the last 64 are kept."""

@@ -9,6 +9,8 @@ import numpy as np
 import traitlets
 
 from qgeo_filters._typing import FloatArray
+from qgeo_filters.defaults import EIGENPAIRS, SYMMETRY_K0
+from qgeo_filters.filters import stages
 from qgeo_filters.matching.symmetry_measure import symmetry_regions, symmetry_sum
 from qgeo_filters.report.colors import position_colors
 from qgeo_filters.validation import checked_index
@@ -16,8 +18,8 @@ from qgeo_widgets import controls
 from qgeo_widgets.base import ATTRIBUTE, EIGENFUNCTION, ShapeWidget
 from qgeo_widgets.contours import sign_changes
 from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field, region_field
-from qgeo_widgets.frames import frame_of
-from qgeo_widgets.shape import EIGENFUNCTIONS, Shape
+from qgeo_widgets.scene_placement import placement_of
+from qgeo_widgets.shape import Shape
 from qgeo_widgets.viewer import Viewer
 
 MIRRORED = "mirror images in one colour"
@@ -27,6 +29,8 @@ REGIONS = "regions of eq. (3)"
 SUM = "sum of eq. (3)"
 _PICKED, _IMAGE, _AXIS = (0.86, 0.11, 0.16), (0.98, 0.70, 0.10), (0.1, 0.1, 0.12)
 _BANDS = 8
+# As in `Symmetry.side`: which side is 1 has no meaning, so that none is called left or right.
+_SIDE_NAMES = {1: "side 1", 0: "on the axis", -1: "side −1"}
 
 
 class SymmetryWidget(ShapeWidget):
@@ -43,21 +47,21 @@ class SymmetryWidget(ShapeWidget):
     _page_title = "A shape and its self-symmetry"
     picked = traitlets.Int(None, allow_none=True)
     epsilon = traitlets.Float(1.0)
-    k0 = traitlets.Int(EIGENFUNCTIONS, min=1, max=EIGENFUNCTIONS)
+    k0 = traitlets.Int(SYMMETRY_K0, min=1, max=EIGENPAIRS)
 
     def __init__(self, mesh: Any, *, symmetry: Any, curvature_weight: float, size: tuple[int, int]) -> None:
         super().__init__()
         with self._guarded():
             shape = self._shape = Shape(mesh, "X", curvature_weight)
-            self._symmetry = self._found() if symmetry is None else symmetry
-            frame = frame_of(shape.surface)
+            self._symmetry = stages.symmetry_of(shape.surface) if symmetry is None else symmetry
+            placement = placement_of(shape.surface)
             titles = [f"<b>shape</b>, {shape.surface.n_vertices} vertices", "<b>from behind</b>"]
-            viewer = Viewer([shape.surface] * 2, [frame, frame.turned()], size, titles)
+            viewer = Viewer([shape.surface] * 2, [placement, placement.turned()], size, titles)
             self._modes = self._make_modes()
             total = float(np.ptp(self._sum))
             self.epsilon = total / _BANDS
             self._epsilon_slider = controls.number("ε", self.epsilon, total / 60, total, total / 200)
-            self._k0_slider = controls.whole("k₀", self.k0, 1, min(EIGENFUNCTIONS, shape.surface.n_vertices))
+            self._k0_slider = controls.whole("k₀", self.k0, 1, min(EIGENPAIRS, shape.surface.n_vertices))
             traitlets.link((self, "epsilon"), (self._epsilon_slider, "value"))
             traitlets.link((self, "k0"), (self._k0_slider, "value"))
             viewer.on_pick(lambda _, vertex: self.set_trait("picked", vertex))
@@ -76,11 +80,6 @@ class SymmetryWidget(ShapeWidget):
     def image(self) -> int | None:
         """Mirror image of the picked vertex, None without one."""
         return int(self._symmetry.p2p[self.picked]) if self.picked is not None and self._symmetry.found else None
-
-    def _found(self) -> Any:
-        from qgeo_filters.matching.symmetry import self_symmetry
-
-        return self_symmetry(self._shape.surface)
 
     # -- picking ------------------------------------------------------------------------------------
 
@@ -104,10 +103,10 @@ class SymmetryWidget(ShapeWidget):
         here = self.picked
         rows = [["vertex", str(here)]]
         if self.image is not None:
-            sides = {-1: "left", 0: "axis", 1: "right"}
+            side = int(self._symmetry.side[here])
             rows += [
                 ["mirror image", str(self.image)],
-                ["side", sides.get(int(self._symmetry.side[here]), str(self._symmetry.side[here]))],
+                ["side", _SIDE_NAMES.get(side, str(side))],
                 ["asymmetry there", f"{self._symmetry.asymmetry[here]:.4f}"],
                 ["|s(p) − s(Tp)|", f"{abs(self._sum[here] - self._sum[self.image]):.4f}, ε = {self.epsilon:.4f}"],
             ]
@@ -133,7 +132,7 @@ class SymmetryWidget(ShapeWidget):
 
     def _columns(self, mode: str) -> int:
         if mode == EIGENFUNCTION:
-            return min(EIGENFUNCTIONS, self._shape.surface.n_vertices)
+            return min(EIGENPAIRS, self._shape.surface.n_vertices)
         return self._shape.columns(mode.removeprefix(ATTRIBUTE)) if mode.startswith(ATTRIBUTE) else 1
 
     def _show_measure_controls(self) -> None:
@@ -154,10 +153,9 @@ class SymmetryWidget(ShapeWidget):
     @cached_property
     def _mirror_colors(self) -> FloatArray:
         vertices = self._shape.surface.vertices
-        assert self._viewer is not None
         # Seen across the mirror plane the two places of a pair fall together, whatever the pose.
         middle = 0.5 * (vertices + vertices[self._symmetry.p2p])
-        return position_colors(middle, self._viewer.panes[0].frame.axes)
+        return position_colors(middle, self._open_viewer.panes[0].placement.axes)
 
     def _mirrored_field(self, k: int) -> Field:
         return ColorField(
@@ -166,8 +164,9 @@ class SymmetryWidget(ShapeWidget):
 
     def _side_field(self, k: int) -> Field:
         side = np.asarray(self._symmetry.side)
-        numbers = np.where(side > 0, 1, np.where(side < 0, 0, -1))
-        return region_field([numbers] * 2, "the two sides and the axis between them", ["left", "right"], "on the axis")
+        numbers = np.where(side > 0, 0, np.where(side < 0, 1, -1))
+        names = [_SIDE_NAMES[1], _SIDE_NAMES[-1]]
+        return region_field([numbers] * 2, "the two sides and the axis between them", names, _SIDE_NAMES[0])
 
     def _asymmetry_field(self, k: int) -> Field:
         label = "asymmetry: mean |d(p, q) − d(Tp, Tq)| / √area"

@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from qgeo_filters._typing import IndexArray
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.matching.maps.orientation import orientation
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import listed
 
@@ -62,18 +63,8 @@ class VertexMap:
 
     @cached_property
     def orientation(self) -> float:
-        """From -1 to 1: how far mapped triangles face the way Y does; negative where the map is a mirrored one.
-
-        The area-weighted mean cosine between the normal of each triangle of X carried to Y and Y's normals there.
-        """
-        corners = self.y.vertices[self.forward[self.x.faces]]
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        length = np.linalg.norm(normal, axis=1)
-        there = self.y.vertex_normals[self.forward[self.x.faces]].sum(axis=1)
-        there /= np.maximum(np.linalg.norm(there, axis=1, keepdims=True), 1e-300)
-        cosine = np.divide(np.einsum("fi,fi->f", normal, there), length, out=np.zeros(len(length)), where=length > 0)
-        weight = self.x.face_areas * (length > 0)
-        return float(weight @ cosine / max(float(weight.sum()), 1e-300))
+        """From -1 to 1: how far mapped triangles face the way Y does, see `qgeo_filters.matching.maps.orientation`."""
+        return orientation(self.x, self.y, self.forward)
 
     def then(self, on_y: npt.ArrayLike) -> VertexMap:
         """The map followed by a map of Y to itself."""

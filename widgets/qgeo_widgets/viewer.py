@@ -14,9 +14,9 @@ from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.surface import Surface
 from qgeo_widgets.disposal import close_tree
-from qgeo_widgets.fallback_image import STYLE, StillPicture
-from qgeo_widgets.frames import Frame
+from qgeo_widgets.fallback_image import STYLE, FallbackImage
 from qgeo_widgets.pane import Pane
+from qgeo_widgets.scene_placement import ScenePlacement
 
 FIELD_OF_VIEW = 26.0
 
@@ -29,7 +29,7 @@ class Viewer:
 
     Parameters
     ----------
-    surfaces, frames : sequence of Surface and of Frame
+    surfaces, placements : sequence of Surface and of ScenePlacement
         One or two.
     size : (int, int)
         Of each canvas, in pixels.
@@ -37,11 +37,15 @@ class Viewer:
     """
 
     def __init__(
-        self, surfaces: Sequence[Surface], frames: Sequence[Frame], size: tuple[int, int], titles: Sequence[str]
+        self,
+        surfaces: Sequence[Surface],
+        placements: Sequence[ScenePlacement],
+        size: tuple[int, int],
+        titles: Sequence[str],
     ) -> None:
         if not 1 <= len(surfaces) <= 2:
             raise ParameterError(f"a viewer has one or two canvases, not {len(surfaces)}")
-        extents = [_extents(surface, frame) for surface, frame in zip(surfaces, frames, strict=True)]
+        extents = [_extents(surface, placement) for surface, placement in zip(surfaces, placements, strict=True)]
         radius, sideways, upward = np.max(extents, axis=0).tolist()
         # Turned about the vertical axis, no shape leaves the picture.
         slope = np.tan(np.radians(FIELD_OF_VIEW / 2))
@@ -53,12 +57,12 @@ class Viewer:
         self.size = size
         self.mark_radius = 0.022 * radius
         self.panes = [
-            Pane(surface, frame, self._camera, self._orbit, size, self.mark_radius)
-            for surface, frame in zip(surfaces, frames, strict=True)
+            Pane(surface, placement, self._camera, self._orbit, size, self.mark_radius)
+            for surface, placement in zip(surfaces, placements, strict=True)
         ]
         self._on_camera: list[Callable[[tuple[float, float, float]], None]] = []
         self._camera.observe(self._moved, names="position")
-        self.fallbacks = [StillPicture() for _ in self.panes]
+        self.fallbacks = [FallbackImage() for _ in self.panes]
         self.widget = ipywidgets.HBox(
             [
                 ipywidgets.HTML(STYLE, layout={"display": "none"}),
@@ -113,7 +117,7 @@ class Viewer:
         for item in (self.widget, self._orbit, self._camera):
             close_tree(item)
 
-    def _framed(self, pane: Pane, fallback: StillPicture, title: str) -> ipywidgets.VBox:
+    def _framed(self, pane: Pane, fallback: FallbackImage, title: str) -> ipywidgets.VBox:
         box = ipywidgets.Box([pane.renderer, fallback], layout={"width": f"{self.size[0] + 2}px"})
         box.add_class("qgeo-pane")
         return ipywidgets.VBox([ipywidgets.HTML(title), box], layout={"margin": "0 6px 4px 0", "overflow": "visible"})
@@ -126,8 +130,8 @@ class Viewer:
             callback(self.camera)
 
 
-def _extents(surface: Surface, frame: Frame) -> tuple[float, float, float]:
+def _extents(surface: Surface, placement: ScenePlacement) -> tuple[float, float, float]:
     """How far what has faces reaches from the origin, from the vertical axis, and from the horizon."""
-    points = frame.to_scene(surface.vertices[np.unique(surface.faces)])
+    points = placement.to_scene(surface.vertices[np.unique(surface.faces)])
     x, y, z = np.abs(points).T
     return float(np.linalg.norm(points, axis=1).max()) or 1.0, float(np.hypot(x, z).max()), float(y.max())

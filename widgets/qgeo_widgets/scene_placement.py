@@ -13,7 +13,7 @@ from qgeo_filters.surface import Surface
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class ScenePlacement:
     """Similarity from a surface's own coordinates to those of a scene, where sqrt(area) is 1.
 
     Attributes
@@ -33,18 +33,18 @@ class Frame:
         """Points (..., 3) in the scene."""
         return (np.asarray(points, dtype=np.float64) - self.center) @ self.axes.T * self.scale
 
-    def turned(self) -> Frame:
-        """The same frame after half a turn about the scene's vertical axis: the back of the shape."""
-        return Frame(self.center, np.diag([-1.0, 1.0, -1.0]) @ self.axes, self.scale)
+    def turned(self) -> ScenePlacement:
+        """The same after half a turn about the scene's vertical axis: the back of the shape."""
+        return ScenePlacement(self.center, np.diag([-1.0, 1.0, -1.0]) @ self.axes, self.scale)
 
 
-def frame_of(surface: Surface) -> Frame:
-    """Frame that shows the surface upright, from three quarters and a little from above."""
+def placement_of(surface: Surface) -> ScenePlacement:
+    """ScenePlacement that shows the surface upright, from three quarters and a little from above."""
     return _centered(surface, best_view(surface.vertices, surface.faces).axes)
 
 
-def aligned_frame(surface: Surface, points: npt.ArrayLike, targets: npt.ArrayLike) -> Frame:
-    """Frame in which points of the surface lie as near as a rotation can bring them to targets in the scene.
+def aligned_placement(surface: Surface, points: npt.ArrayLike, targets: npt.ArrayLike) -> ScenePlacement:
+    """Placement in which points of the surface lie as near as a rotation can bring them to targets in the scene.
 
     Parameters
     ----------
@@ -63,8 +63,8 @@ def aligned_frame(surface: Surface, points: npt.ArrayLike, targets: npt.ArrayLik
     return _centered(surface, axes)
 
 
-def _centered(surface: Surface, axes: FloatArray) -> Frame:
-    """Frame with these axes whose origin is the middle of the box around what has faces."""
+def _centered(surface: Surface, axes: FloatArray) -> ScenePlacement:
+    """ScenePlacement with these axes whose origin is the middle of the box around what has faces."""
     used = surface.vertices[np.unique(surface.faces)] @ axes.T
     center = axes.T @ (0.5 * (used.min(axis=0) + used.max(axis=0)))
-    return Frame(center, axes, 1.0 / np.sqrt(surface.area) if surface.area > 0 else 1.0)
+    return ScenePlacement(center, axes, 1.0 / np.sqrt(surface.area) if surface.area > 0 else 1.0)
