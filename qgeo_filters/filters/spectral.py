@@ -6,15 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from qgeo_filters.caching import cache
 from qgeo_filters.defaults import CURVATURE_WEIGHT, EIGENPAIRS
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.geodesics import MetricFilter
 from qgeo_filters.filters.registry import registered
-from qgeo_filters.fingerprint import content_key
-from qgeo_filters.spectral.laplacian import laplacian_spectrum
 from qgeo_filters.spectral.spectrum import Mass, Spectrum
 from qgeo_filters.surface import Surface
 
@@ -89,6 +86,5 @@ class LaplacianSpectrum(Filter):
 
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
         """Eigenfunctions by attribute name."""
-        key = content_key("laplacian", surface.vertices, surface.faces, self.k)
-        self.spectrum_ = cache.get(key, lambda: laplacian_spectrum(surface, self.k))
+        self.spectrum_ = stages.laplacian_spectrum_of(surface, self.k)
         return {"qgeo_laplacian_phi": self.spectrum_.eigenfunctions}

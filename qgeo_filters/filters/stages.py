@@ -1,38 +1,58 @@
-"""Expensive stages that several filters share, each computed once for the same content."""
+"""The one door to what is expensive, for filters, commands and widgets: each computed once for the same content.
+
+``progress`` and ``workers`` pass through and enter no key: results do not depend on them.
+"""
 
 from __future__ import annotations
 
+import uuid
+from collections.abc import Callable
 from functools import partial
-from typing import Any, Literal
+from typing import Any, TypeVar
 
 import numpy as np
 
 from qgeo_filters.caching import cache
-from qgeo_filters.differential.scalar import Scalar
+from qgeo_filters.differential.scalar import BUILT_IN, Scalar
 from qgeo_filters.fingerprint import content_key
 from qgeo_filters.geodesics.matrix import distance_matrix
+from qgeo_filters.geodesics.methods import method_named
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.matching.correspondence import MatchResult, match
 from qgeo_filters.matching.prepared_shape import METRIC_WEIGHTS, PreparedShape, check_same_size
 from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
+from qgeo_filters.parallel import default_workers, worker_count
 from qgeo_filters.spectral.distance_spectrum import distance_spectrum
-from qgeo_filters.spectral.spectrum import Spectrum, check_areas, check_count
+from qgeo_filters.spectral.laplacian import laplacian_spectrum
+from qgeo_filters.spectral.spectrum import Mass, Spectrum, check_areas, check_count
 from qgeo_filters.surface import Surface
 
+Result = TypeVar("Result")
 
-def metric_of(surface: Surface, scalar: Scalar, weight: float, smoothing: float = 0.0) -> LiftedMetric:
-    """The lifted metric of a surface, see `lifted_metric`."""
-    content: Any = surface.attributes.get(scalar, scalar) if isinstance(scalar, str) else scalar
-    if callable(content):  # two functions cannot be compared by content
-        return lifted_metric(surface, content, weight, smoothing=smoothing)
-    key = content_key("metric", surface.vertices, surface.faces, content, weight, smoothing)
-    return cache.get(key, lambda: lifted_metric(surface, scalar, weight, smoothing=smoothing))
+# A method of the caller's own (`register_method`) may be another one in the next process.
+PROCESS = uuid.uuid4().hex
 
 
-def matrix_of(metric: LiftedMetric, method: str, accuracy: float, progress: bool = False) -> np.ndarray:
+def metric_of(surface: Surface, scalar: Scalar, curvature_weight: float, smoothing: float = 0.0) -> LiftedMetric:
+    """The lifted metric of a surface, see `lifted_metric`; that of a function is not kept."""
+    if callable(scalar):  # two functions cannot be compared by content
+        return lifted_metric(surface, scalar, curvature_weight, smoothing=smoothing)
+    content: Any = scalar
+    if isinstance(scalar, str) and scalar not in BUILT_IN:  # built-in scalars come before attributes of their names
+        content = surface.attributes.get(scalar, scalar)
+    key = content_key("metric", surface.vertices, surface.faces, content, curvature_weight, smoothing)
+    return cache.get(key, lambda: lifted_metric(surface, scalar, curvature_weight, smoothing=smoothing))
+
+
+def matrix_of(
+    metric: LiftedMetric, method: str, accuracy: float, progress: bool = False, workers: int | None = None
+) -> np.ndarray:
     """All-pairs distances of a metric, see `distance_matrix`."""
-    key = content_key("matrix", metric.edge_lengths, metric.surface.faces, metric.surface.n_vertices, method, accuracy)
-    return cache.get(key, lambda: distance_matrix(metric.surface, metric, method, accuracy=accuracy, progress=progress))
+    surface = metric.surface
+    key = content_key("matrix", metric.edge_lengths, surface.faces, surface.n_vertices, _known(method), accuracy)
+    return _kept(
+        key, lambda: distance_matrix(surface, metric, method, accuracy=accuracy, progress=progress), workers=workers
+    )
 
 
 def check_spectrum(surface: Surface, k: int) -> None:
@@ -45,11 +65,12 @@ def check_spectrum(surface: Surface, k: int) -> None:
 def spectrum_of(
     metric: LiftedMetric,
     k: int,
-    weights: Literal["area", "uniform"],
+    mass: Mass,
     landmarks: int | None,
     method: str,
     accuracy: float,
     progress: bool = False,
+    workers: int | None = None,
 ) -> Spectrum:
     """Eigenspectrum of the all-pairs distances of a metric, see `distance_spectrum`."""
     surface = metric.surface
@@ -61,7 +82,7 @@ def spectrum_of(
             surface,
             k,
             metric,
-            weights,
+            mass,
             landmarks,
             matrix=matrix,
             method=method,
@@ -70,31 +91,57 @@ def spectrum_of(
         )
 
     # The vertices enter as well as the lengths: areas and signs are those of the surface.
-    key = content_key(
-        "spectrum", surface.vertices, surface.faces, metric.edge_lengths, k, weights, landmarks, method, accuracy
+    shape = surface.vertices, surface.faces, metric.edge_lengths
+    return _kept(
+        content_key("spectrum", *shape, k, mass, landmarks, _known(method), accuracy), compute, workers=workers
     )
-    return cache.get(key, compute)
 
 
-def prepared_shape_of(surface: Surface, progress: bool = False) -> PreparedShape:
+def laplacian_spectrum_of(surface: Surface, k: int) -> Spectrum:
+    """Spectrum of the Laplace-Beltrami operator, see `laplacian_spectrum`."""
+    key = content_key("laplacian", surface.vertices, surface.faces, k)
+    return cache.get(key, lambda: laplacian_spectrum(surface, k))
+
+
+def prepared_shape_of(surface: Surface, progress: bool = False, workers: int | None = None) -> PreparedShape:
     """The surface prepared for matching, see `PreparedShape`; it shares its distances with the other stages."""
-    # The weights enter these keys: a cache on disk outlives the version that filled it.
-    key = content_key("descriptor", surface.vertices, surface.faces, METRIC_WEIGHTS)
+    key = content_key("prepared_shape", surface.vertices, surface.faces, METRIC_WEIGHTS)
     matrix = partial(matrix_of, method="graph", accuracy=1e-3, progress=progress)
-    return cache.get(key, lambda: PreparedShape(surface, weights=METRIC_WEIGHTS, matrix=matrix).prepared())
+    return _kept(key, lambda: PreparedShape(surface, weights=METRIC_WEIGHTS, matrix=matrix).prepared(), workers=workers)
 
 
-def symmetry_of(surface: Surface, progress: bool = False) -> Symmetry:
+def symmetry_of(surface: Surface, progress: bool = False, workers: int | None = None) -> Symmetry:
     """Self-symmetry of a surface, see `self_symmetry`."""
     key = content_key("symmetry", surface.vertices, surface.faces, METRIC_WEIGHTS)
-    return cache.get(key, lambda: self_symmetry(prepared_shape_of(surface, progress)))
+    return _kept(key, lambda: self_symmetry(prepared_shape_of(surface, progress)), workers=workers)
 
 
-def correspondence_of(x: Surface, y: Surface, normalize: bool, progress: bool = False) -> MatchResult:
+def correspondence_of(
+    x: Surface, y: Surface, normalize: bool, progress: bool = False, workers: int | None = None
+) -> MatchResult:
     """Correspondence of two surfaces, see `match`."""
     if not normalize:
-        check_same_size(x, y)  # before descriptors are made
+        check_same_size(x, y)  # before shapes are prepared
+
+    def compute() -> MatchResult:
+        return match(prepared_shape_of(x, progress), prepared_shape_of(y, progress), normalize=normalize)
+
     key = content_key("correspondence", x.vertices, x.faces, y.vertices, y.faces, normalize, METRIC_WEIGHTS)
-    return cache.get(
-        key, lambda: match(prepared_shape_of(x, progress), prepared_shape_of(y, progress), normalize=normalize)
-    )
+    return _kept(key, compute, workers=workers)
+
+
+def _kept(key: str, compute: Callable[[], Result], workers: int | None) -> Result:
+    """Kept result of a key, or the computed one, in so many threads."""
+    worker_count(workers)  # refused whether or not there is a result
+
+    def bounded() -> Result:
+        with default_workers(workers):
+            return compute()
+
+    return cache.get(key, bounded)
+
+
+def _known(method: str) -> str:
+    """What a key knows a method of distances by: its name, and the process for methods that are not the package's."""
+    home = getattr(method_named(method), "__module__", None) or ""
+    return method if home.partition(".")[0] == __name__.partition(".")[0] else f"{method} of {PROCESS}"
