@@ -26,6 +26,7 @@ FLOORS: list[list[str]] = [
         "cholesky",
         "connectivity",
         "fingerprint",
+        "jit",
         "parallel",
         "sampling",
         "triangle_geometry",
@@ -37,14 +38,7 @@ FLOORS: list[list[str]] = [
     ["hosts"],
     ["differential"],
     # geodesics: the metric and what unfolds; methods of distances; paths; what users call; all of it compiled
-    [
-        "geodesics.jit",
-        "geodesics.metric",
-        "geodesics.distance_solver",
-        "geodesics.layout",
-        "geodesics.unfolding",
-        "geodesics.distance_solver",
-    ],
+    ["geodesics.metric", "geodesics.distance_solver", "geodesics.layout", "geodesics.unfolding"],
     ["geodesics.dijkstra", "geodesics.dgg", "geodesics.mmp"],
     ["geodesics.path"],
     ["geodesics"],

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from qgeo_filters._typing import FloatArray
+from qgeo_filters.jit import njit
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def covariances(
     starts: npt.NDArray[np.int64],
     heads: npt.NDArray[np.int64],
@@ -33,7 +33,7 @@ def covariances(
     return result
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def turned(
     starts: npt.NDArray[np.int64],
     heads: npt.NDArray[np.int64],
@@ -54,7 +54,7 @@ def turned(
     return result
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def strain(
     starts: npt.NDArray[np.int64],
     heads: npt.NDArray[np.int64],

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from qgeo_filters._typing import FloatArray
+from qgeo_filters.jit import njit
 
 # Newton's steps, and the relative change at which they end.
 _STEPS, _SETTLED = 60, 1e-14
@@ -13,7 +13,7 @@ _STEPS, _SETTLED = 60, 1e-14
 _UNDETERMINED = 1e-12
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def nearest_rotations(matrices: FloatArray) -> FloatArray:
     """The rotation R that maximises tr(R^T S) for each matrix S, (n, 3, 3); the identity where none is singled out.
 
@@ -32,7 +32,7 @@ def nearest_rotations(matrices: FloatArray) -> FloatArray:
     return result
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _rotation(s: FloatArray, k: FloatArray, result: FloatArray) -> None:
     squares = 0.0
     for a in range(3):
@@ -82,7 +82,7 @@ def _rotation(s: FloatArray, k: FloatArray, result: FloatArray) -> None:
     result[2, 0], result[2, 1], result[2, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _cofactor(k: FloatArray, row: int, column: int) -> float:
     a, b, c = 1 if row == 0 else 0, 2 if row < 2 else 1, 2 if row == 3 else 3
     p, q, r = 1 if column == 0 else 0, 2 if column < 2 else 1, 2 if column == 3 else 3
@@ -90,7 +90,7 @@ def _cofactor(k: FloatArray, row: int, column: int) -> float:
     return sign * _minor(k[a], k[b], k[c], p, q, r)
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _minor(first: FloatArray, second: FloatArray, third: FloatArray, p: int, q: int, r: int) -> float:
     """Determinant of three columns of three rows."""
     return (

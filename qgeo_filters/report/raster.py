@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 import numpy.typing as npt
+
+from qgeo_filters.jit import njit
 
 
 class Fragments(NamedTuple):
@@ -27,7 +28,7 @@ class Fragments(NamedTuple):
     depth: npt.NDArray[np.float32]
 
 
-@numba.njit(cache=True)
+@njit()
 def _fill(points, faces, face, weights, depth):  # type: ignore[no-untyped-def]
     height, width = face.shape
     for f in range(faces.shape[0]):

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from qgeo_filters.jit import njit
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def band_order(start, neighbour, length, width, sources, order, distance, settled, head, following):  # type: ignore[no-untyped-def]  # fmt: skip
     """Put the vertices that paths from the sources reach into ``order``; their number.
 
@@ -31,7 +32,7 @@ def band_order(start, neighbour, length, width, sources, order, distance, settle
     return count
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _bucket_dijkstra(start, neighbour, length, width, sources, distance, settled, head, following):  # type: ignore[no-untyped-def]  # fmt: skip
     """Path lengths along mesh edges from the nearest source, the least but for steps within a bucket (Dial 1969).
 

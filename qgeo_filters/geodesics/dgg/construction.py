@@ -20,14 +20,15 @@ from v. So windows are trimmed from both hands, and end when nothing is left.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from qgeo_filters.jit import njit
 
 # Columns of a window: left and right end of the side, left and right end of the part still seen, and on
 # either hand the vertex p that covers: its position, and d(v, p) - eps * hop, called near.
 WIDTH = 14
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(error_model="numpy")
 def covered_length(x, y, dx, dy, span, px, py, near):  # type: ignore[no-untyped-def]
     """How far from (x, y) along the unit vector (dx, dy), up to span, |z| - |z - p| >= near holds."""
     rr = px * px + py * py
@@ -51,7 +52,7 @@ def covered_length(x, y, dx, dy, span, px, py, near):  # type: ignore[no-untyped
     return min(max(t, 0.0), span)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(error_model="numpy")
 def seen_part(lx, ly, dx, dy, span, left_ray, right_ray, p, q):  # type: ignore[no-untyped-def]
     """Interval of a side, as lengths from its left end, that lies between two rays and that p and q do not cover."""
     first = (left_ray[1] * lx - left_ray[0] * ly) / (left_ray[0] * dy - left_ray[1] * dx)
@@ -66,7 +67,7 @@ def seen_part(lx, ly, dx, dy, span, left_ray, right_ray, p, q):  # type: ignore[
     return first, last
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(error_model="numpy")
 def look_around(start, length, apex_x, apex_y, twin, corners, epsilon, queue, sides, near, direct, found):  # type: ignore[no-untyped-def]  # fmt: skip
     """Edges to the neighbours of the vertex of these corners, and its first windows; how many of either."""
     count = tail = 0
@@ -97,7 +98,7 @@ def look_around(start, length, apex_x, apex_y, twin, corners, epsilon, queue, si
     return count, tail
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(error_model="numpy")
 def look(start, length, apex_x, apex_y, twin, corners, epsilon, limit, queue, sides, near, direct, found, met):  # type: ignore[no-untyped-def]  # fmt: skip
     """Edges of the discrete geodesic graph out of the vertex of these corners.
 
@@ -195,7 +196,7 @@ def look(start, length, apex_x, apex_y, twin, corners, epsilon, limit, queue, si
     return count, others, head == tail
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def look_from(start, length, apex_x, apex_y, twin, corner_start, corners, vertices, epsilon, limit):  # type: ignore[no-untyped-def]  # fmt: skip
     """Edges of the graph out of some vertices: how many each, their ends and lengths."""
     n = len(corner_start) - 1

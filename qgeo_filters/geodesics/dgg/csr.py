@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from qgeo_filters.jit import njit
 
 Rows = tuple[np.ndarray, np.ndarray, np.ndarray]  # start (n + 1,), column (g,), value (g,)
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def transposed(start, column, value):  # type: ignore[no-untyped-def]
     """Transpose of a square matrix in compressed rows; the columns of each row come out sorted."""
     n = len(start) - 1
@@ -27,7 +28,7 @@ def transposed(start, column, value):  # type: ignore[no-untyped-def]
     return new_start, new_column, new_value
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def merged(start_a, column_a, value_a, start_b, column_b, value_b):  # type: ignore[no-untyped-def]
     """Union of two matrices with sorted rows, the smaller value where both have an entry."""
     n = len(start_a) - 1

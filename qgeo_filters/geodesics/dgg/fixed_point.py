@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.geodesics.dgg.csr import Rows, undirected
+from qgeo_filters.jit import njit
 
 # Of the accuracy, the share by which one tick may lengthen an edge, and three times that a path.
 ROUNDING = 0.01
@@ -62,7 +62,7 @@ def _shorter(start: np.ndarray, end: IntArray, length: FloatArray, most: float) 
     return undirected(few_start, end[few], length[few])
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def near_pairs(start, neighbour, length, radius, most):  # type: ignore[no-untyped-def]
     """Shortest paths up to a small radius, from each vertex to those behind it, in compressed rows.
 

@@ -10,12 +10,12 @@ sources, and is the same from either end of a path.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from qgeo_filters.geodesics.dgg.simd import pull
+from qgeo_filters.jit import njit
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def relax(start, neighbour, length, order, block, awake):  # type: ignore[no-untyped-def]
     """Bring a block (n, 32) of path lengths to its fixed point; the number of rows pulled."""
     for t in order:
@@ -36,7 +36,7 @@ def relax(start, neighbour, length, order, block, awake):  # type: ignore[no-unt
     return pulled
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def write_rows(block, unreached, place, tick, out, rows):  # type: ignore[no-untyped-def]
     """Columns of a block as lengths into the given rows of ``out`` (., n), in the order of the vertices."""
     for v in range(len(place)):
@@ -46,7 +46,7 @@ def write_rows(block, unreached, place, tick, out, rows):  # type: ignore[no-unt
             out[rows[k], v] = value * tick if value < unreached else np.inf
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def write_near(start, near, length, vertex, places, out, rows):  # type: ignore[no-untyped-def]
     """Lengths of the near pairs of each of these places into its row of ``out``."""
     for k in range(len(rows)):

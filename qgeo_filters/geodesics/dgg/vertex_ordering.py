@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from qgeo_filters.jit import njit
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _spread(start, neighbour, group, g, source, order, first, mark, stamp):  # type: ignore[no-untyped-def]
     """Breadth-first order of what group g connects with the source into ``order[first:]``; where it ends."""
     order[first] = source
@@ -24,7 +25,7 @@ def _spread(start, neighbour, group, g, source, order, first, mark, stamp):  # t
     return tail
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def compact_order(start, neighbour, leaf):  # type: ignore[no-untyped-def]
     """Permutation of the vertices by recursive bisection of the mesh into pieces of at most ``leaf`` vertices.
 

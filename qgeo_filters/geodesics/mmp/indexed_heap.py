@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters.geodesics.jit import inner, kernel
+from qgeo_filters.jit import inner, kernel
 
 
 class IndexedHeap(NamedTuple):

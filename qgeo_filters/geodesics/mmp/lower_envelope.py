@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters.geodesics.jit import inner, kernel
+from qgeo_filters.jit import inner, kernel
 
 Records = npt.NDArray[np.void]
 

@@ -13,10 +13,8 @@ work decides the time only: whatever arrives late and nearer is carried on again
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from qgeo_filters._typing import FloatArray
-from qgeo_filters.geodesics.jit import NONE, kernel
 from qgeo_filters.geodesics.mmp.indexed_heap import IndexedHeap, heap_pop, heap_push, new_heap
 from qgeo_filters.geodesics.mmp.lower_envelope import (
     TIE,
@@ -28,6 +26,7 @@ from qgeo_filters.geodesics.mmp.lower_envelope import (
     new_pool,
 )
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh
+from qgeo_filters.jit import NONE, kernel, njit
 
 # Where a vertex is this near to a window (relative to the edge) it is reached although the window passes
 # it, by a path that bends a little: that bridges gaps left by rounding.
@@ -206,7 +205,7 @@ def _run(target: int, distance: FloatArray, queue: IndexedHeap, pool: Pool, mesh
             return False
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def propagate(source: int, target: int, mesh: UnfoldedMesh, distance: FloatArray) -> Pool:
     """Fill ``distance`` (n,) with the exact distance of every vertex from the source, inf where unreachable.
 

@@ -6,12 +6,12 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
-from qgeo_filters.geodesics.jit import NONE, ZERO, inner, kernel
 from qgeo_filters.geodesics.mmp.indexed_heap import IndexedHeap, heap_pop, heap_push, new_heap
 from qgeo_filters.geodesics.mmp.lower_envelope import Pool
 from qgeo_filters.geodesics.mmp.window_propagation import apex_distance, propagate
 from qgeo_filters.geodesics.path.one_ring import append_crossing, face_with, side_opposite, trimmed, turn_at
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh
+from qgeo_filters.jit import NONE, ZERO, inner, kernel
 
 # A ray that comes this near to a vertex, relative to its length, that is as far as it should be, ends there.
 ARRIVED = 1e-7

@@ -15,8 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import IndexArray
-from qgeo_filters.geodesics.jit import inner, kernel
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh
+from qgeo_filters.jit import inner, kernel
 
 # A path that passes a vertex at this fraction of the crossed edge passes through it: its length is then
 # off by the square.

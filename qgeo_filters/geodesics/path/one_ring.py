@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from qgeo_filters._typing import IndexArray
-from qgeo_filters.geodesics.jit import ZERO, kernel
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh
+from qgeo_filters.jit import ZERO, kernel
 
 
 @kernel

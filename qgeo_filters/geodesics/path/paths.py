@@ -6,16 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.errors import DisconnectedError, MeshError, ParameterError
-from qgeo_filters.geodesics.jit import ZERO
 from qgeo_filters.geodesics.metric import LiftedMetric, Metric, metric_for
 from qgeo_filters.geodesics.path.backtrace import edge_sleeve, exact_sleeve
 from qgeo_filters.geodesics.path.straightening import describe, straighten, vertex_nodes
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh, unfolded
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
+from qgeo_filters.jit import ZERO, njit
 from qgeo_filters.parallel import in_threads
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_index, checked_indices, frozen
@@ -166,7 +165,7 @@ def quasi_geodesics(
     )
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def _find(
     start: int, end: int, exact: bool, tolerance: float, max_rounds: int, mesh: UnfoldedMesh
 ) -> tuple[npt.NDArray[np.void], npt.NDArray[np.void], float, FloatArray]:

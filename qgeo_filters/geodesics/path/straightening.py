@@ -12,7 +12,6 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
-from qgeo_filters.geodesics.jit import NONE, ZERO, inner, kernel
 from qgeo_filters.geodesics.path.funnel import FlatSleeve, new_flat_sleeve, side_angles, tighten
 from qgeo_filters.geodesics.path.one_ring import (
     append_crossing,
@@ -23,6 +22,7 @@ from qgeo_filters.geodesics.path.one_ring import (
     walk_fan,
 )
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh
+from qgeo_filters.jit import NONE, ZERO, inner, kernel
 
 POINT = np.dtype(
     [

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
+from qgeo_filters.jit import njit
 
 
-@njit(cache=True, nogil=True)
+@njit()
 def point_distortions(near_x: SingleArray, near_y: SingleArray, maps: IndexArray) -> FloatArray:
     """Mean |d_X(p, q) - d_Y(Tp, Tq)| over all pairs of points, for each map T (..., s) of the rows of maps.
 
