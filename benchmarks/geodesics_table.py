@@ -13,7 +13,7 @@ import numpy as np
 from geodesics_common import cases, cpu, exact_rows, machine, peers, percent, relative_error
 
 from qgeo_filters.geodesics.matrix import distance_matrix
-from qgeo_filters.geodesics.warmup import warmup
+from qgeo_filters.warmup import warmup
 
 
 def main(sizes: list[int]) -> None:

@@ -53,7 +53,6 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .geodesics.path.paths import quasi_geodesic as quasi_geodesic
     from .geodesics.path.paths import quasi_geodesics as quasi_geodesics
     from .geodesics.solver import GeodesicSolver as GeodesicSolver
-    from .geodesics.warmup import warmup as warmup
     from .hosts.dispatch import as_surface as as_surface
     from .hosts.protocol import Host as Host
     from .hosts.protocol import register_host as register_host
@@ -78,6 +77,7 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .spectral.laplacian import laplacian_spectrum as laplacian_spectrum
     from .spectral.spectrum import Spectrum as Spectrum
     from .surface import Surface as Surface
+    from .warmup import warmup as warmup
 
 __version__ = "0.1.0"
 
@@ -130,7 +130,7 @@ _HOME = {
     "joint_diagonalizer": "spectral.commutative",
     "compatibility": "matching.compatibility",
     "Compatibility": "matching.compatibility",
-    "warmup": "geodesics.warmup",
+    "warmup": "warmup",
     # filters
     "Filter": "filters.base",
     "registered": "filters.registry",

@@ -48,9 +48,9 @@ def njit(**options: Any) -> Callable[[F], F]:
         dispatcher = numba.njit(nogil=True, **options)(function)
         if isinstance(dispatcher, Dispatcher):  # not where NUMBA_DISABLE_JIT is set
             with contextlib.suppress(RuntimeError):  # no folder can be written: compile in every process
-                dispatcher._cache = _Cache(dispatcher)
+                dispatcher._cache = _Cache(dispatcher)  # type: ignore[attr-defined]
             KERNELS[f"{function.__module__}.{function.__qualname__}"] = dispatcher
-        return dispatcher  # type: ignore[no-any-return]
+        return dispatcher
 
     return decorate
 
@@ -132,7 +132,7 @@ class _Cache(FunctionCache):
     def __init__(self, dispatcher: Dispatcher) -> None:
         super().__init__(dispatcher.py_func)
         name = f"{Path(dispatcher.py_func.__code__.co_filename).stem}.{dispatcher.py_func.__qualname__}"
-        self._cache_file = _Files(Path(self.cache_path), name.replace("<", "").replace(">", ""), dispatcher)
+        self._cache_file: Any = _Files(Path(self.cache_path), name.replace("<", "").replace(">", ""), dispatcher)
 
 
 class _Files:

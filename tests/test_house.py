@@ -42,7 +42,6 @@ FLOORS: list[list[str]] = [
     ["geodesics.dijkstra", "geodesics.dgg", "geodesics.mmp"],
     ["geodesics.path"],
     ["geodesics"],
-    ["geodesics.warmup"],
     ["spectral"],
     ["deformation"],
     # matching, in the order of a run
@@ -57,8 +56,9 @@ FLOORS: list[list[str]] = [
     ["filters"],
     ["testing"],
     ["evaluation"],
-    ["qgeo_filters"],  # the names that users see, each loaded when it is asked for
     ["report"],
+    ["warmup"],  # compiles the kernels of all floors below
+    ["qgeo_filters"],  # the names that users see, each loaded when it is asked for
     ["cli"],
     ["qgeo_widgets"],
 ]
@@ -78,6 +78,7 @@ KNOWN_LOANS = {
 # Names that begin with an underscore and are public all the same.
 PUBLIC_UNDERSCORES = {
     "_replace",  # of every NamedTuple
+    "_cache",  # of Numba's dispatchers: there is no other way to a cache of one's own
     "_asdict",
     "_trait_values",  # traitlets: the only way to let go of a trait's value without an event
 }

@@ -9,14 +9,11 @@ def warmup(quiet: Quiet = False) -> None:
     """Compile all kernels into the cache beside the package; later calls and processes find them there."""
     import time
 
-    import numpy as np
     import typer
 
     from qgeo_filters import warmup as compile_kernels
-    from qgeo_filters.report.raster import rasterize
 
     started = time.perf_counter()
     compile_kernels()
-    rasterize(np.zeros((3, 3)), np.array([[0, 1, 2]], dtype=np.int32), 1, 1)
     if not quiet:
         typer.echo(f"kernels compiled in {time.perf_counter() - started:.1f} s")

@@ -20,7 +20,6 @@ from qgeo_filters.geodesics import storage
 from qgeo_filters.geodesics.dgg.graph import GeodesicGraph
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
 from qgeo_filters.geodesics.operator import DistanceOperator
-from qgeo_filters.geodesics.warmup import warmup
 from qgeo_filters.surface import Surface
 
 
@@ -253,14 +252,3 @@ def test_progress_bar(surface: Surface, capsys: pytest.CaptureFixture[str]) -> N
     assert "11/11" in capsys.readouterr().err
     distance_matrix(surface)
     assert capsys.readouterr().err == ""
-
-
-def test_warmup_compiles_everything() -> None:
-    from qgeo_filters.geodesics.dgg import bucket_order, construction, csr, label_correcting, vertex_ordering
-
-    warmup()
-    for kernel in (
-        construction.look_from, vertex_ordering.compact_order, bucket_order.band_order, csr.merged,
-        label_correcting.relax, label_correcting.write_rows,
-    ):  # fmt: skip
-        assert kernel.signatures
