@@ -7,6 +7,7 @@ and needs no optional package.
 from __future__ import annotations
 
 import importlib
+import logging
 import sys
 import warnings
 from typing import TYPE_CHECKING, Any
@@ -80,6 +81,8 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .warmup import warmup as warmup
 
 __version__ = "0.1.0"
+
+logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent until the user asks for it
 
 _HOME = {
     "Surface": "surface",

@@ -20,6 +20,7 @@ from typing import Any, Literal, TypeVar
 import joblib
 import numpy as np
 
+from qgeo_filters._log import timed
 from qgeo_filters.atomic import atomic_path
 from qgeo_filters.errors import ParameterError
 
@@ -207,9 +208,8 @@ class StageCache:
     def _loaded_or_computed(self, key: str, compute: Callable[[], T]) -> T:
         value, loaded = self._load(key)
         if not loaded:
-            started = time.perf_counter()
-            value = compute()
-            _log.debug("%s: computed in %.2f s", key, time.perf_counter() - started)
+            with timed(_log, "%s: computed", key):
+                value = compute()
             self._save(key, value)
         for array in arrays_of(value):
             array.setflags(write=False)

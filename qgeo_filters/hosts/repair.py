@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +15,8 @@ from qgeo_filters.hosts.arrays import is_path, raw_mesh
 from qgeo_filters.io.formats import path_in_errors
 from qgeo_filters.repair.triangle_soup import repaired_mesh
 from qgeo_filters.surface import Surface
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,4 +90,6 @@ def repair_surface(obj: Any) -> Repair:
         repaired = repaired_mesh(raw)
         unchanged = isinstance(obj, Surface) and not repaired.report
         surface = obj if unchanged else Surface.from_raw(repaired.mesh)  # itself: with all that it has computed already
+    for change in repaired.report:
+        _log.info("repair: %s", change)
     return Repair(surface, repaired.origin, repaired.vertex_of_original, repaired.report)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
@@ -9,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.sparse.csgraph import connected_components, dijkstra
 
+from qgeo_filters._log import timed
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.dgg.bucket_order import band_order
@@ -25,6 +27,8 @@ from qgeo_filters.geodesics.layout import layout_of
 from qgeo_filters.geodesics.metric import IntrinsicMesh, LiftedMetric
 from qgeo_filters.parallel import GROUP, in_threads
 from qgeo_filters.surface import Surface
+
+_log = logging.getLogger(__name__)
 
 # Width of a band of distance, in mean edge lengths: narrow enough for one pass to do nearly all.
 _BAND = 0.25
@@ -157,7 +161,9 @@ def graph_of(metric: LiftedMetric, accuracy: float, workers: int | None) -> Geod
     key = metric.surface if metric.edge_lengths is metric.surface.edge_lengths else metric
     graph = _kept.get(key)
     if graph is None or graph.accuracy != accuracy:
-        graph = _kept[key] = geodesic_graph(metric.intrinsic(), accuracy, workers=workers)
+        with timed(_log, "graph of %d vertices for accuracy %g", metric.surface.n_vertices, accuracy):
+            graph = _kept[key] = geodesic_graph(metric.intrinsic(), accuracy, workers=workers)
+        _log.debug("it has %d edges", len(graph.neighbour) // 2)
         release_freed_memory()
     return graph
 
