@@ -21,9 +21,9 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
+from qgeo_filters.compilation import warmup
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.surface import Surface
-from qgeo_filters.warmup import warmup
 
 Peer = tuple[str, float, float]  # name, CPU ms a source, mean error in per cent
 

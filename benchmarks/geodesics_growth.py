@@ -17,9 +17,9 @@ import time
 import numpy as np
 from geodesics_common import blob, machine
 
+from qgeo_filters.compilation import warmup
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.surface import Surface
-from qgeo_filters.warmup import warmup
 
 
 def measure(n: int, workers: int) -> dict[str, float]:

@@ -12,8 +12,8 @@ import sys
 import numpy as np
 from geodesics_common import cases, cpu, exact_rows, machine, peers, percent, relative_error
 
+from qgeo_filters.compilation import warmup
 from qgeo_filters.geodesics.matrix import distance_matrix
-from qgeo_filters.warmup import warmup
 
 
 def main(sizes: list[int]) -> None:

@@ -18,13 +18,13 @@ import time
 import numpy as np
 from geodesics_common import blob, machine
 
+from qgeo_filters.compilation import warmup
 from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.spectral.block_krylov import spectrum_by_pass
 from qgeo_filters.spectral.canonical import subspace_sine
 from qgeo_filters.spectral.distance_spectrum import distance_spectrum
 from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
-from qgeo_filters.warmup import warmup
 
 _K = 20
 

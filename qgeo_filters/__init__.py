@@ -16,6 +16,7 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from . import evaluation as evaluation
     from . import testing as testing
     from .caching import cache as cache
+    from .compilation import warmup as warmup
     from .differential.coordinates import differential_coordinates as differential_coordinates
     from .differential.curvature import PrincipalCurvatures as PrincipalCurvatures
     from .differential.curvature import principal_curvatures as principal_curvatures
@@ -78,7 +79,6 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .spectral.laplacian import laplacian_spectrum as laplacian_spectrum
     from .spectral.spectrum import Spectrum as Spectrum
     from .surface import Surface as Surface
-    from .warmup import warmup as warmup
 
 __version__ = "0.1.0"
 
@@ -133,7 +133,7 @@ _HOME = {
     "joint_diagonalizer": "spectral.commutative",
     "compatibility": "matching.compatibility",
     "Compatibility": "matching.compatibility",
-    "warmup": "warmup",
+    "warmup": "compilation",
     # filters
     "Filter": "filters.base",
     "registered": "filters.registry",

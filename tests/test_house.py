@@ -57,7 +57,7 @@ FLOORS: list[list[str]] = [
     ["testing"],
     ["evaluation"],
     ["report"],
-    ["warmup"],  # compiles the kernels of all floors below
+    ["compilation"],  # compiles the kernels of all floors below
     ["qgeo_filters"],  # the names that users see, each loaded when it is asked for
     ["cli"],
     ["qgeo_widgets"],
