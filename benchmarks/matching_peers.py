@@ -79,7 +79,7 @@ def preparing(data: ToscaRemeshed, pairs: list[tuple[str, str]]) -> dict[str, fl
     """CPU seconds that both shapes of a pair take, mean over these pairs, with pyFM and with the package."""
     shapes = [data.read(name) for pair in pairs for name in pair]
     pyfm = 2 * float(np.mean([cpu(lambda shape=shape: processed(shape))[1] for shape in shapes]))
-    own = 2 * float(np.mean([cpu(lambda shape=shape: qg.PreparedShape(shape).prepared())[1] for shape in shapes]))
+    own = 2 * float(np.mean([cpu(lambda shape=shape: qg.PreparedShape(shape).prepare())[1] for shape in shapes]))
     return {FITTED: pyfm, REFINED: pyfm, OURS: own}
 
 

@@ -26,14 +26,14 @@ def main() -> None:
     print("| shape | found | involution | nearest vertex | distortion | CPU s |")
     print("| --- | --- | ---: | ---: | ---: | ---: |")
     for name in arguments.shapes or data.names():
-        shape = PreparedShape(data.read(name)).prepared()
+        shape = PreparedShape(data.read(name)).prepare()
         start = time.process_time()
         found = self_symmetry(shape)
         seconds = time.process_time() - start
         truth = data.symmetry(name).images
         errors = [geodesic_error(p2p, truth, shape.surface).mean() for p2p in (found.p2p, found.nearest)]
         cells = [name, "yes" if found.found else "no", *(f"{error:.4f}" for error in errors)]
-        print("| " + " | ".join([*cells, f"{found.distortion:.4f}", f"{seconds:.1f}"]) + " |", flush=True)
+        print("| " + " | ".join([*cells, f"{found.score:.4f}", f"{seconds:.1f}"]) + " |", flush=True)
 
 
 if __name__ == "__main__":

@@ -48,7 +48,7 @@ def compatibility(
     job = Job("compatibility", Settings(output, quiet, json, repair, pictures), parameters)
     poses = [job.read(mesh) for mesh in meshes]
     with job.stage("compatibility"):
-        found = compatibility_of(poses, baselines, k=k, weight=curvature_weight, progress=job.progress)
+        found = compatibility_of(poses, baselines, k=k, curvature_weight=curvature_weight, progress=job.progress)
     arrays = {
         "d_s": np.float64(found.d_s),
         "c_xy": found.c_xy,

@@ -143,7 +143,7 @@ def match_results(found: MatchResult) -> dict[str, Any]:
         "runner_up": found.runner_up,
         "margin": found.margin,
         "orientation": found.orientation,
-        "likeness": found.likeness,
+        "hks_agreement": found.hks_agreement,
         "c_xy": found.c_xy,
         "vertices_of_y_reached": len(np.unique(found.p2p)),
     }

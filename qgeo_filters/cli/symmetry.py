@@ -128,7 +128,7 @@ def symmetry_results(found: Symmetry, spectrum: Spectrum, k0: int, reading: Read
     return {
         "found": found.found,
         "reason": found.reason,
-        "distortion": found.distortion if found.found else None,
+        "score": found.score if found.found else None,
         "orientation": found.orientation if found.found else None,
         "vertices_on_the_axis": int(found.fixed.sum()) if found.found else None,
         # Not the involution: vertices that it pairs with themselves would flatter the measure.

@@ -2,29 +2,44 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
 
 import igl
 import numpy as np
-import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from qgeo_filters._typing import FloatArray
-from qgeo_filters.deformation.arap_sums import covariances, strain, turned
-from qgeo_filters.deformation.fit_rotations import nearest_rotations
+from qgeo_filters._typing import FloatArray, IntArray
+from qgeo_filters.deformation.arap_sums import covariances, rotated_edge_sums, rotation_misfit
+from qgeo_filters.deformation.fit_rotations import fit_rotations
 
 Solve = Callable[[FloatArray], FloatArray]
 
 # Obtuse triangles have negative cotangents, which would reward bending; relative to the mean weight.
 _LEAST_WEIGHT = 1e-3
-# Factorisations that are kept, the last used ones: contenders go through the same pulls one after the other.
+# Factorisations that are kept, the last used ones: maps of one shape go through the same pulls one after the other.
 _FACTORS = 32
 
 
-class Rigidity:
+@dataclass(frozen=True, eq=False)
+class Pull:
+    """How strongly each vertex is drawn to its target.
+
+    Attributes
+    ----------
+    key : hashable
+        Equal for pulls that are equal, of one surface.
+    values : (n,) float64
+        s in the energy of `ArapSolver`: an area over a squared length.
+    """
+
+    key: Hashable
+    values: FloatArray
+
+
+class ArapSolver:
     r"""Deformations of a surface that keep each vertex's neighbourhood as rigid as possible.
 
     Minimises :math:`\sum_{ij} w_{ij} |p_i - p_j - R_i (x_i - x_j)|^2 + \sum_i s_i |p_i - q_i|^2` over positions p and
@@ -41,7 +56,7 @@ class Rigidity:
     Sorkine and Alexa, "As-rigid-as-possible surface modeling", SGP 2007.
     """
 
-    def __init__(self, vertices: FloatArray, faces: npt.NDArray[np.int32]) -> None:
+    def __init__(self, vertices: FloatArray, faces: IntArray) -> None:
         n = len(vertices)
         weights = igl.cotmatrix(vertices, faces.astype(np.int64)).tocoo()
         off = weights.row != weights.col
@@ -54,21 +69,29 @@ class Rigidity:
         self._laplacian = sparse.diags_array(np.asarray(symmetric.sum(axis=1)).ravel()) - symmetric
         neighbours = sparse.csr_matrix((np.ones(len(heads)), heads, starts), (n, n)) + sparse.eye_array(n)
         self._mean = sparse.csr_array(sparse.diags_array(1 / np.asarray(neighbours.sum(axis=1)).ravel()) @ neighbours)
-        self._factors: OrderedDict[bytes, Solve] = OrderedDict()
+        self._factors: OrderedDict[Hashable, Solve] = OrderedDict()
 
     def __getstate__(self) -> dict[str, object]:
         # SuperLU's factors cannot be pickled.
         return {**self.__dict__, "_factors": OrderedDict()}
 
-    def pulled(self, pull: FloatArray) -> Solve:
-        """Solver of the positions for right-hand sides (n, 3); factorised once for the pull s (n,)."""
-        key = hashlib.sha256(pull.tobytes()).digest()
-        solve = self._factors.pop(key, None)
+    @property
+    def n_factorised(self) -> int:
+        """Number of factorisations that are kept."""
+        return len(self._factors)
+
+    def prefactor(self, pull: Pull) -> Solve:
+        """Solver of the positions for right-hand sides (n, 3), factorised once for each pull.
+
+        Call it in the thread that calls `release`: SciPy leaks the memory of a factorisation that is made in one
+        thread and dropped in another one. The solver that it returns may be called in any.
+        """
+        solve = self._factors.pop(pull.key, None)
         if solve is None:
-            matrix = sparse.csc_matrix(self._laplacian + sparse.diags_array(pull))
+            matrix = sparse.csc_matrix(self._laplacian + sparse.diags_array(pull.values))
             options = {"SymmetricMode": True}
             solve = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options).solve
-        self._factors[key] = solve
+        self._factors[pull.key] = solve
         if len(self._factors) > _FACTORS:
             self._factors.popitem(last=False)
         return solve
@@ -77,20 +100,20 @@ class Rigidity:
         """Forget the factorisations: together they take as much memory as all else of a shape."""
         self._factors.clear()
 
-    def step(
-        self, solve: Solve, pull: FloatArray, positions: FloatArray, targets: FloatArray, smooth: int
+    def iterate(
+        self, solve: Solve, pull: Pull, positions: FloatArray, targets: FloatArray, smoothing: int
     ) -> FloatArray:
-        """Positions (n, 3) after one turn: rotations, averaged ``smooth`` times over neighbours, then positions."""
-        rotations = self._rotations(positions, smooth)
-        return solve(turned(*self._half_edges, rotations) + pull[:, None] * targets)
+        """Positions (n, 3) after a local step, averaged ``smoothing`` times over neighbours, and a global one."""
+        rotations = self._rotations(positions, smoothing)
+        return solve(rotated_edge_sums(*self._half_edges, rotations) + pull.values[:, None] * targets)
 
-    def strain(self, positions: FloatArray) -> float:
+    def energy(self, positions: FloatArray) -> float:
         r"""What is not rigid of a deformation: :math:`\sum_{ij} w_{ij} |p_i - p_j - R_i (x_i - x_j)|^2`."""
-        return strain(*self._half_edges, self._rotations(positions, 0), positions)
+        return rotation_misfit(*self._half_edges, self._rotations(positions, 0), positions)
 
-    def _rotations(self, positions: FloatArray, smooth: int) -> FloatArray:
+    def _rotations(self, positions: FloatArray, smoothing: int) -> FloatArray:
         sums = covariances(*self._half_edges, positions)
         flat = sums.reshape(-1, 9)
-        for _ in range(smooth):
+        for _ in range(smoothing):
             flat = np.asarray(self._mean @ flat)
-        return nearest_rotations(flat.reshape(-1, 3, 3))
+        return fit_rotations(flat.reshape(-1, 3, 3))

@@ -34,7 +34,7 @@ def covariances(
 
 
 @njit()
-def turned(
+def rotated_edge_sums(
     starts: npt.NDArray[np.int64],
     heads: npt.NDArray[np.int64],
     weights: FloatArray,
@@ -55,7 +55,7 @@ def turned(
 
 
 @njit()
-def strain(
+def rotation_misfit(
     starts: npt.NDArray[np.int64],
     heads: npt.NDArray[np.int64],
     weights: FloatArray,

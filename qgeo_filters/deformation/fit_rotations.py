@@ -14,11 +14,11 @@ _UNDETERMINED = 1e-12
 
 
 @njit()
-def nearest_rotations(matrices: FloatArray) -> FloatArray:
+def fit_rotations(matrices: FloatArray) -> FloatArray:
     """The rotation R that maximises tr(R^T S) for each matrix S, (n, 3, 3); the identity where none is singled out.
 
-    Its quaternion is the eigenvector of the largest eigenvalue of a symmetric 4 x 4 matrix. libigl's ``fit_rotations``
-    does the same in single precision, but holds Python's lock meanwhile, so that maps tried side by side wait.
+    Its quaternion is the eigenvector of the largest eigenvalue of a symmetric 4 x 4 matrix. libigl's function of this
+    name does the same in single precision, but holds Python's lock meanwhile, so that maps tried side by side wait.
 
     References
     ----------

@@ -189,8 +189,8 @@ def _measured(
     what: What,
     ruler: Ruler,
 ) -> PairResult:
-    x.prepared()
-    y.prepared()
+    x.prepare()
+    y.prepare()
     started = time.process_time()
     if what == "match":
         found = match(x, y)

@@ -19,7 +19,8 @@ from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.methods import method_named
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.matching.correspondence import MatchResult, match
-from qgeo_filters.matching.prepared_shape import METRIC_WEIGHTS, PreparedShape, check_same_size
+from qgeo_filters.matching.parameters import MatchingParameters
+from qgeo_filters.matching.prepared_shape import PreparedShape, check_same_size
 from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
 from qgeo_filters.parallel import default_workers, worker_count
 from qgeo_filters.spectral.distance_spectrum import distance_spectrum
@@ -105,14 +106,14 @@ def laplacian_spectrum_of(surface: Surface, k: int) -> Spectrum:
 
 def prepared_shape_of(surface: Surface, progress: bool = False, workers: int | None = None) -> PreparedShape:
     """The surface prepared for matching, see `PreparedShape`; it shares its distances with the other stages."""
-    key = content_key("prepared_shape", surface.vertices, surface.faces, METRIC_WEIGHTS)
+    key = content_key("prepared_shape", surface.vertices, surface.faces, MatchingParameters())
     matrix = partial(matrix_of, method="graph", accuracy=1e-3, progress=progress)
-    return _kept(key, lambda: PreparedShape(surface, weights=METRIC_WEIGHTS, matrix=matrix).prepared(), workers=workers)
+    return _kept(key, lambda: PreparedShape(surface, parameters=MatchingParameters(), matrix=matrix).prepare(), workers=workers)
 
 
 def symmetry_of(surface: Surface, progress: bool = False, workers: int | None = None) -> Symmetry:
     """Self-symmetry of a surface, see `self_symmetry`."""
-    key = content_key("symmetry", surface.vertices, surface.faces, METRIC_WEIGHTS)
+    key = content_key("symmetry", surface.vertices, surface.faces, MatchingParameters())
     return _kept(key, lambda: self_symmetry(prepared_shape_of(surface, progress)), workers=workers)
 
 
@@ -126,7 +127,7 @@ def correspondence_of(
     def compute() -> MatchResult:
         return match(prepared_shape_of(x, progress), prepared_shape_of(y, progress), normalize=normalize)
 
-    key = content_key("correspondence", x.vertices, x.faces, y.vertices, y.faces, normalize, METRIC_WEIGHTS)
+    key = content_key("correspondence", x.vertices, x.faces, y.vertices, y.faces, normalize, MatchingParameters())
     return _kept(key, compute, workers=workers)
 
 

@@ -21,10 +21,15 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
+from qgeo_filters._deprecation import renamed_parameters
 from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
+from qgeo_filters.matching.correspondence import match
+from qgeo_filters.matching.prepared_shape import PreparedShape
+from qgeo_filters.parallel import default_workers
 from qgeo_filters.spectral.commutative import Normalization, commutative_eigenspectra, spectral_distance
 from qgeo_filters.spectral.distance_spectrum import distance_spectrum
 from qgeo_filters.spectral.spectrum import Spectrum
@@ -65,14 +70,16 @@ class Compatibility:
     maps: tuple[IndexArray, ...]
 
 
+@renamed_parameters(weight="curvature_weight")
 def compatibility(
     surfaces: Sequence[SurfaceLike],
     baselines: tuple[int, int] = (0, 1),
     *,
     k: int = 20,
-    weight: float | None = None,
+    curvature_weight: float = CURVATURE_WEIGHT,
     maps: Sequence[npt.ArrayLike] | None = None,
     normalization: Normalization = "area",
+    workers: int | None = None,
     progress: bool = False,
 ) -> Compatibility:
     """Compatibility of the eigenspectra of a set of poses, D(S) (paper, eq. 5).
@@ -85,13 +92,15 @@ def compatibility(
         Indices of the two poses whose eigenspectra are optimised against each other.
     k : int
         Number of eigenfunctions that are compared.
-    weight : float, optional
+    curvature_weight : float
         Of the curvature scalar in the metric, see `lifted_metric`, whose default it is; 0 is the Cartesian metric.
     maps : sequence of array-like of int, optional
         For each pose, its vertex for each vertex of the first baseline. By default vertex i is the same point of all
         poses if they have the same faces (poses of one mesh, as in the paper); the maps are found by `match` if not.
     normalization : {"area", "vertices"}
         Of C_XY, see `spectral_distance`.
+    workers : int, optional
+        Threads; all cores that the process may use by default.
     progress : bool
         Whether to show progress bars over distances.
 
@@ -104,12 +113,13 @@ def compatibility(
     """
     poses = [as_surface(surface) for surface in surfaces]
     _check_baselines(len(poses), baselines)
-    given = _default_maps(poses, baselines[0], progress) if maps is None else maps
-    spectra = []
-    for pose in poses:
-        metric = lifted_metric(pose) if weight is None else lifted_metric(pose, curvature_weight=weight)
-        count = min(k + _SPARE, pose.n_vertices) if isinstance(k, (int, np.integer)) else k
-        spectra.append(distance_spectrum(pose, count, metric, progress=progress))
+    with default_workers(workers):
+        given = _default_maps(poses, baselines[0], progress) if maps is None else maps
+        spectra = []
+        for pose in poses:
+            metric = lifted_metric(pose, curvature_weight=curvature_weight)
+            count = min(k + _SPARE, pose.n_vertices) if isinstance(k, (int, np.integer)) else k
+            spectra.append(distance_spectrum(pose, count, metric, progress=progress))
     return compatibility_of_spectra(spectra, given, baselines, k=k, normalization=normalization)
 
 
@@ -171,9 +181,6 @@ def _default_maps(poses: list[Surface], first: int, progress: bool) -> list[Inde
     n = poses[first].n_vertices
     if all(pose.n_vertices == n and np.array_equal(pose.faces, faces) for pose in poses):
         return [np.arange(n)] * len(poses)
-    from qgeo_filters.matching.correspondence import match
-    from qgeo_filters.matching.prepared_shape import PreparedShape
-
     reference = PreparedShape(poses[first], progress=progress)
     return [
         np.arange(n) if number == first else match(reference, pose, progress=progress).p2p

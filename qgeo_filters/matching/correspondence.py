@@ -3,34 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal, overload
 
 import numpy as np
 import numpy.typing as npt
 from tqdm.auto import tqdm
 
 from qgeo_filters._typing import FloatArray, IndexArray
-from qgeo_filters.hosts.dispatch import SurfaceLike
-from qgeo_filters.matching.initialization.candidates import Candidate, candidates, distortion
+from qgeo_filters.matching.initialization.candidates import Candidate, candidates, mirrored_map
 from qgeo_filters.matching.maps.barycentric import BarycentricMap, barycentric_map
 from qgeo_filters.matching.maps.functional_map import functional_map
 from qgeo_filters.matching.maps.orientation import orientation
-from qgeo_filters.matching.prepared_shape import PreparedShape, check_same_size
+from qgeo_filters.matching.match_log import MatchLog
+from qgeo_filters.matching.parameters import MatchingParameters
+from qgeo_filters.matching.prepared_shape import Shape, check_same_size
+from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.regions import eigenfunction_regions
-from qgeo_filters.matching.selection.decision import Decision, decided
-from qgeo_filters.matching.selection.signatures import likeness
-from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
+from qgeo_filters.matching.selection.decision import Decision, choose_map
+from qgeo_filters.matching.selection.signatures import hks_agreement
+from qgeo_filters.matching.symmetry import self_symmetry
+from qgeo_filters.parallel import default_workers
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
 from qgeo_filters.validation import frozen
-
-# Points to which distances are compared for the distortion.
-_PROBES = 200
-# The runner-up must cost this many times as much, and the map distort distances by no more than that, to be sure.
-_MARGIN = 1.3
-_SURE = 0.12
-# Likeness of a right map: poses of TOSCA's cat, dog and centaur have .96 to 1, different creatures .57 to .67.
-_ALIKE = 0.9
-# A finished map whose orientation is below this did not settle on one side.
-_ORIENTED = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +41,7 @@ class MatchResult:
         C in the eigenfunctions of the distances: ``phi_x @ C`` approximates ``phi_y[p2p]``, for unit-area shapes.
     c_xy : float
         Distance of the first 20 eigenfunctions, paired along the map (paper, sec. 4.2), see `spectral_distance`; both
-        in the last metric of the descriptors, which is the lifted one.
+        in the last metric that the shapes were prepared in, which is the lifted one.
     distortion : (n_x,) float64
         Mean over points q of |d_X(p, q) - d_Y(Tp, Tq)|, in units of sqrt(area).
     score : float
@@ -58,8 +52,8 @@ class MatchResult:
         How many times the chosen map's cost (strain, tearing, folding, unlike parts) the runner-up's is.
     orientation : float
         See `orientation`: near 0.7 for a map between shapes of the same handedness; negative if Y is a mirror image.
-    likeness : float
-        Agreement of heat kernels along the map, see `likeness`: above 0.9 between poses of one shape.
+    hks_agreement : float
+        Of heat kernels along the map, see `hks_agreement`: above 0.9 between poses of one shape.
     confident : bool
         Whether the map stands clear of the others, keeps distances, relates like parts, and has one orientation.
     explanation : str
@@ -81,7 +75,7 @@ class MatchResult:
     runner_up: float
     margin: float
     orientation: float
-    likeness: float
+    hks_agreement: float
     confident: bool
     explanation: str
     regions_x: npt.NDArray[np.int32]
@@ -90,56 +84,93 @@ class MatchResult:
     barycentric: BarycentricMap
 
 
+@overload
 def match(
-    x: SurfaceLike | PreparedShape, y: SurfaceLike | PreparedShape, *, normalize: bool = True, progress: bool = False
-) -> MatchResult:
+    x: Shape,
+    y: Shape,
+    *,
+    normalize: bool = ...,
+    parameters: MatchingParameters | None = ...,
+    log: Literal[False] = ...,
+    workers: int | None = ...,
+    progress: bool = ...,
+) -> MatchResult: ...
+@overload
+def match(
+    x: Shape,
+    y: Shape,
+    *,
+    normalize: bool = ...,
+    parameters: MatchingParameters | None = ...,
+    log: Literal[True],
+    workers: int | None = ...,
+    progress: bool = ...,
+) -> tuple[MatchResult, MatchLog]: ...
+def match(
+    x: Shape,
+    y: Shape,
+    *,
+    normalize: bool = True,
+    parameters: MatchingParameters | None = None,
+    log: bool = False,
+    workers: int | None = None,
+    progress: bool = False,
+) -> MatchResult | tuple[MatchResult, MatchLog]:
     """Correspondence between two shapes that bend into each other, with no initial map.
 
     Parameters
     ----------
-    x, y : PreparedShape, Surface, or whatever `as_surface` takes
-        In one piece, manifold, oriented; any triangulation, position and number of vertices. Pass descriptors
+    x, y : Surface, whatever `as_surface` takes, or PreparedShape
+        In one piece, manifold, oriented; any triangulation, position and number of vertices. Pass prepared shapes
         where a shape takes part in several matches: all that belongs to one shape is computed once.
     normalize : bool
         Whether to compare shapes regardless of size. If not, and their areas differ by more than a tenth, they are
         refused.
+    parameters : MatchingParameters, optional
+        What the match goes by; that of the prepared shapes, or the measured default.
+    log : bool
+        Whether to return, beside the result, every map that was proposed: by whom, its distortion and orientation,
+        each term of its cost, and which rule dropped it.
+    workers : int, optional
+        Threads; all cores that the process may use by default. The result does not depend on it.
     progress : bool
         Whether to show progress bars: one over the stages, and one over the distances of a shape.
 
     Returns
     -------
-    MatchResult
+    MatchResult, or (MatchResult, MatchLog) with ``log=True``
 
     Raises
     ------
     MeshError
         See `PreparedShape`.
-    ValueError
-        Shapes of different size with ``normalize=False``.
+    ParameterError
+        Shapes of different size with ``normalize=False``, or prepared with different parameters.
 
     Notes
     -----
     Coarse maps come from all choices of signs of the first eigenfunctions of the distances, in several metrics
-    (`search`), grown by spectral upsampling, and from likely matchings of the ends of limbs (`extremity_maps`). A
-    shape with a left and a right has a mirrored twin of every good map, which keeps distances as well: the twin of
+    (`sign_search`), grown by spectral upsampling, and from likely matchings of the ends of limbs (`extrema_maps`). A
+    shape with a left and a right has a mirrored map for every good one, which keeps distances as well: that of
     each map that turns the surface inside out is made by the self-symmetry, and only maps that keep the orientation
     compete. The best is the one along which X deforms with the least strain, tearing and folding onto parts that are
-    alike (`decided`), and is finished on all vertices (`finished`). The result does not depend on the signs
+    alike (`choose_map`), registered on all vertices (`register`). The result does not depend on the signs
     and order that a solver returns, nor on position and size.
     """
-    a, b = PreparedShape.of(x, progress), PreparedShape.of(y, progress)
-    if not normalize:
-        check_same_size(a.surface, b.surface)
-    with tqdm(total=4, desc="describe X", disable=not progress) as bar:
-        a.prepared()
-        _next(bar, "describe Y")
-        b.prepared()
+    with default_workers(workers), tqdm(total=4, desc="prepare X", disable=not progress) as bar:
+        problem = MatchProblem.of(x, y, parameters, progress=progress)
+        if not normalize:
+            check_same_size(problem.x.surface, problem.y.surface, problem.parameters.same_area)
+        problem.x.prepare()
+        _next(bar, "prepare Y")
+        problem.y.prepare()
         _next(bar, "search")
-        pool, mirrored = _competing(a, b)
-        _next(bar, "try")
-        decision = decided(a, b.mirrored if mirrored else b, pool)
+        pool, mirrored = competing_candidates(problem)
+        _next(bar, "register")
+        decision = choose_map(problem.with_mirrored_y() if mirrored else problem, pool)
         _next(bar, "matched")
-    return _described(a, b, decision, mirrored)
+        result = _described(problem, decision, mirrored)
+    return (result, problem.log) if log else result
 
 
 def _next(bar: tqdm, stage: str) -> None:
@@ -147,59 +178,52 @@ def _next(bar: tqdm, stage: str) -> None:
     bar.set_description(stage)
 
 
-def _competing(x: PreparedShape, y: PreparedShape) -> tuple[list[Candidate], bool]:
+def competing_candidates(problem: MatchProblem) -> tuple[list[Candidate], bool]:
     """Maps that keep the orientation; or those that reverse it, and True, if none of the former keeps distances."""
-    proposed = candidates(x, y)
+    x, y, given, log = problem.x, problem.y, problem.parameters, problem.log
+    proposed = candidates(problem)
     kept = [c for c in proposed if c.orientation > 0]
     reversing = [c for c in proposed if c.orientation <= 0]
     if reversing:
-        mirror = self_symmetry(y)
-        other = mirror if mirror.found else self_symmetry(x)
+        mirror = self_symmetry(y, parameters=given)
+        other = mirror if mirror.found else self_symmetry(x, parameters=given)
         if other.found:
-            kept += [_twin(x, y, c, other, onto=mirror.found) for c in reversing]
+            kept += [mirrored_map(problem, c, other.nearest, of_y=mirror.found) for c in reversing]
     mirrored = not kept or (
         # Not one of the maps in the right hand is nearly as good: Y is the mirror image of something asymmetric.
-        bool(reversing) and min(c.distortion for c in reversing) < 0.5 * min(c.distortion for c in kept)
+        bool(reversing)
+        and min(c.distortion for c in reversing) < given.mirror_image_ratio * min(c.distortion for c in kept)
     )
+    for c in kept if mirrored else reversing:
+        log.drop(c.number, "keeps the orientation, but not distances" if mirrored else "reverses the orientation")
     return (reversing if mirrored else kept), mirrored
 
 
-def _twin(x: PreparedShape, y: PreparedShape, c: Candidate, symmetry: Symmetry, onto: bool) -> Candidate:
-    """The mirrored twin of a candidate, by the symmetry of Y, or of X if not ``onto``."""
-    if onto:
-        p2p = symmetry.nearest[c.p2p]
-    else:
-        rows = x.rows[: len(c.p2p)]
-        p2p = c.p2p[rows[:, symmetry.nearest[x.samples[: len(rows)]]].argmin(axis=0)]
-    return Candidate(p2p, distortion(x, y, p2p), -c.orientation)
-
-
-def _described(x: PreparedShape, y: PreparedShape, decision: Decision, mirrored: bool) -> MatchResult:
-    result, margin = decision.result, decision.margin
-    p2p = result.p2p
-    probes = x.samples[:_PROBES]
+def _described(problem: MatchProblem, decision: Decision, mirrored: bool) -> MatchResult:
+    x, y = problem.x, problem.y
+    dense, p2p = decision.dense, decision.dense.p2p
+    probes = x.fps[: problem.parameters.probes]
     there = y.distances(p2p[probes])
-    distortion = np.abs(x.rows[: len(probes)] - there[:, p2p]).mean(axis=0, dtype=np.float64)
+    distortion = np.abs(x.fps_distances[: len(probes)] - there[:, p2p]).mean(axis=0, dtype=np.float64)
     score = float(x.areas @ distortion)
-    turned, alike = orientation(x.unit, y.unit, p2p), likeness(x, y, p2p)
-    confident, explanation = _verdict(score, margin, turned, alike, mirrored)
-    spectrum_x, spectrum_y = x.views[-1].spectrum, y.views[-1].spectrum
-    phi_x, phi_y = spectrum_x.eigenfunctions, spectrum_y.eigenfunctions
+    turned, alike = orientation(x.unit, y.unit, p2p), hks_agreement(problem, p2p)
+    confident, explanation = _verdict(problem.parameters, score, decision.margin, turned, alike, mirrored)
+    phi_x, phi_y = x.spectrum.eigenfunctions, y.spectrum.eigenfunctions
     flip = np.array([-1.0, 1.0, 1.0]) if mirrored else 1.0
     centre = y.surface.vertex_areas @ y.surface.vertices / y.surface.area
-    positions = result.positions * flip * y.scale + centre
+    positions = dense.positions * flip * y.scale + centre
     regions_x, regions_y = eigenfunction_regions(phi_x, phi_y, p2p, x.areas)
     return MatchResult(
         p2p=frozen(p2p),
-        inverse=frozen(result.inverse),
+        inverse=frozen(dense.inverse),
         functional_map=frozen(functional_map(phi_x, phi_y, p2p, x.areas)),
-        c_xy=commutative_eigenspectra(spectrum_x, spectrum_y, p2p).c_xy,
+        c_xy=commutative_eigenspectra(x.spectrum, y.spectrum, p2p).c_xy,
         distortion=frozen(distortion),
         score=score,
         runner_up=decision.runner_up,
-        margin=margin,
+        margin=decision.margin,
         orientation=turned,
-        likeness=alike,
+        hks_agreement=alike,
         confident=confident,
         explanation=explanation,
         regions_x=frozen(regions_x),
@@ -209,20 +233,22 @@ def _described(x: PreparedShape, y: PreparedShape, decision: Decision, mirrored:
     )
 
 
-def _verdict(score: float, margin: float, turned: float, alike: float, mirrored: bool) -> tuple[bool, str]:
+def _verdict(
+    given: MatchingParameters, score: float, margin: float, turned: float, alike: float, mirrored: bool
+) -> tuple[bool, str]:
     hand = "Y is matched as a mirror image of X: no map that keeps the orientation keeps distances" if mirrored else ""
-    if score > _SURE:
+    if score > given.near_isometric:
         return False, f"distances differ by {score:.3f} sqrt(area) in the mean: the shapes are not near-isometric" + (
             f"; {hand}" if hand else ""
         )
-    if abs(turned) < _ORIENTED:
+    if abs(turned) < given.settled_orientation:
         return False, f"the map turns much of the surface over (orientation {turned:.2f}): parts may be mirrored"
-    if alike < _ALIKE:
+    if alike < given.match_alike:
         return False, (
             f"distances are kept to {score:.3f} sqrt(area) in the mean, but the map relates parts of different shape "
             f"(their heat kernels agree by {alike:.2f} only)"
         )
-    if margin < _MARGIN:
+    if margin < given.margin:
         return False, (
             f"another map fits nearly as well (its cost is {margin:.2f} times as large): "
             "the shape looks alike in more than one way"

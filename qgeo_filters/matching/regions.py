@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
-from qgeo_filters.matching.maps.functional_map import functional_map, nearest, orthogonal
+from qgeo_filters.matching.maps.functional_map import functional_map, nearest_neighbors, procrustes
 from qgeo_filters.sampling import farthest_in_embedding
 from qgeo_filters.validation import checked_count
 
@@ -33,14 +33,14 @@ def eigenfunction_regions(
         Number of regions, at most n_x.
     """
     count = checked_count(count, 1, len(phi_x), "the number of regions")
-    carried = phi_x @ orthogonal(functional_map(phi_x, phi_y, p2p, areas_x))
+    carried = phi_x @ procrustes(functional_map(phi_x, phi_y, p2p, areas_x))
     centres = carried[farthest_in_embedding(carried, count)]
     for _ in range(_TURNS):
-        label = nearest(carried, centres)
+        label = nearest_neighbors(carried, centres)
         weight = np.bincount(label, areas_x, count)
         sums = np.column_stack([np.bincount(label, areas_x * column, count) for column in carried.T])
         moved = np.where(weight[:, None] > 0, sums / np.where(weight > 0, weight, 1.0)[:, None], centres)
         if np.allclose(moved, centres):
             break
         centres = moved
-    return nearest(carried, centres).astype(np.int32), nearest(phi_y, centres).astype(np.int32)
+    return nearest_neighbors(carried, centres).astype(np.int32), nearest_neighbors(phi_y, centres).astype(np.int32)

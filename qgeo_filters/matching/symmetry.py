@@ -11,30 +11,22 @@ from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.hosts.dispatch import SurfaceLike
 from qgeo_filters.matching.initialization.candidates import candidates
-from qgeo_filters.matching.maps.functional_map import nearest
-from qgeo_filters.matching.maps.involution import paired
+from qgeo_filters.matching.maps.functional_map import nearest_neighbors
+from qgeo_filters.matching.maps.involution import optimal_involution
 from qgeo_filters.matching.maps.orientation import orientation
-from qgeo_filters.matching.prepared_shape import PreparedShape
-from qgeo_filters.matching.selection.decision import decided
-from qgeo_filters.matching.selection.signatures import likeness
-from qgeo_filters.matching.smooth_shells import Finished
+from qgeo_filters.matching.match_log import MatchLog
+from qgeo_filters.matching.parameters import MatchingParameters
+from qgeo_filters.matching.prepared_shape import PreparedShape, Shape
+from qgeo_filters.matching.problem import MatchProblem
+from qgeo_filters.matching.selection.decision import choose_reflection
+from qgeo_filters.matching.selection.signatures import hks_agreement
+from qgeo_filters.matching.smooth_shells import DenseMap
 from qgeo_filters.matching.symmetry_measure import symmetry_epsilon, symmetry_regions
+from qgeo_filters.parallel import default_workers
 from qgeo_filters.validation import frozen
 
 #: Mean distortion of distances, in sqrt(area), up to which a map of the shape to its mirror image is a symmetry.
 TOLERANCE = 0.08
-# The next best reflection must cost this many times as much: a sphere or a torus has many that cost the same.
-_MARGIN = 1.3
-# Mean distance between the images, in sqrt(area), from which two reflections are different ones.
-_ELSEWHERE = 0.1
-# Likeness of mirror points: posed animals (TOSCA's cat, dog and centaur) have .96 to 1, random smooth blobs .91 to .96
-# under their best reflection, but for those that are nearly symmetric.
-_ALIKE = 0.96
-# A pose that changes the surroundings changes distances, too: how much less than 1 the likeness may be, as a multiple
-# of the distortion (the posed animals have at most .5, the two blobs that are the most alike 1.4 and 1.6); or this.
-_UNLIKE, _LEAST_UNLIKE = 1.0, 0.015
-# Points to which distances are compared for the asymmetry.
-_PROBES = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,11 +50,11 @@ class Symmetry:
     fixed : (n,) bool
         The vertices on the axis.
     asymmetry : (n,) float64
-        Mean over points q of :math:`|d(p, q) - d(Tp, Tq)|`, in units of sqrt(area).
-    distortion : float
-        Mean of the asymmetry over the area.
+        Mean over points q of :math:`|d(p, q) - d(Tp, Tq)|`, in units of sqrt(area); NaN if none was found.
+    score : float
+        Mean of the asymmetry over the area: 0 for an exact symmetry, NaN if none was found.
     orientation : float
-        Of ``nearest``, see `orientation`: near -0.7 for a reflection.
+        Of ``nearest``, see `orientation`: near -0.7 for a reflection; NaN if none was found.
     epsilon : float
         The paper's measure, eq. (3), between the points and their mirror points, see `symmetry_epsilon`; over all pairs
         of points if no symmetry was found.
@@ -77,14 +69,19 @@ class Symmetry:
     side: npt.NDArray[np.int8]
     fixed: npt.NDArray[np.bool_]
     asymmetry: FloatArray
-    distortion: float
+    score: float
     orientation: float
     epsilon: float
     regions: npt.NDArray[np.int32]
 
 
 def self_symmetry(
-    shape: SurfaceLike | PreparedShape, *, tolerance: float = TOLERANCE, progress: bool = False
+    shape: Shape,
+    *,
+    tolerance: float = TOLERANCE,
+    parameters: MatchingParameters | None = None,
+    workers: int | None = None,
+    progress: bool = False,
 ) -> Symmetry:
     """Intrinsic left/right symmetry of a shape: mirror vertex, side and asymmetry of each vertex.
 
@@ -94,10 +91,14 @@ def self_symmetry(
 
     Parameters
     ----------
-    shape : PreparedShape, Surface, or whatever `as_surface` takes
-        In one piece, manifold, oriented. A descriptor remembers its symmetry.
+    shape : Surface, whatever `as_surface` takes, or PreparedShape
+        In one piece, manifold, oriented. A prepared shape remembers its symmetry.
     tolerance : float
         Mean distortion of distances, in units of sqrt(area), up to which a map counts as a symmetry.
+    parameters : MatchingParameters, optional
+        What the search goes by; that of the prepared shape, or the measured default.
+    workers : int, optional
+        Threads; all cores that the process may use by default. The result does not depend on it.
     progress : bool
         Whether to show a progress bar over the distances.
 
@@ -111,69 +112,86 @@ def self_symmetry(
     ------
     MeshError
         See `PreparedShape`.
+    ParameterError
+        A tolerance that is not positive, or a shape that was prepared with other parameters.
     """
     if not 0 < tolerance < np.inf:
         raise ParameterError(f"the tolerance must be a positive fraction of sqrt(area), got {tolerance!r}")
-    descriptor = PreparedShape.of(shape, progress)
-    kept = descriptor.__dict__.setdefault("_symmetries", {})
-    if tolerance not in kept:
-        kept[tolerance] = _found(descriptor, tolerance)
-    return kept[tolerance]
+    with default_workers(workers):
+        problem = MatchProblem.of_reflection(shape, parameters, progress=progress)
+        key = tolerance, problem.parameters
+        kept = problem.x.symmetries
+        if key not in kept:
+            kept[key] = _found(problem, tolerance)
+    return kept[key]
 
 
-def _found(x: PreparedShape, tolerance: float) -> Symmetry:
-    reflections = [c for c in candidates(x, x.mirrored, identity=False) if c.orientation > 0]
+def reflection_log(shape: Shape, *, parameters: MatchingParameters | None = None) -> MatchLog:
+    """Every reflection that `self_symmetry` looks at, what it costs, and which rule drops it."""
+    problem = MatchProblem.of_reflection(shape, parameters)
+    _found(problem, TOLERANCE)
+    return problem.log
+
+
+def _found(problem: MatchProblem, tolerance: float) -> Symmetry:
+    x, given = problem.x, problem.parameters
+    proposed = candidates(problem)
+    reflections = [c for c in proposed if c.orientation > 0]
+    for c in proposed:
+        if c.orientation <= 0:
+            problem.log.drop(c.number, "keeps the orientation of the shape: no reflection")
     if not reflections:
         return _none(x, "no map of the shape to its mirror image keeps distances even roughly")
-    decision = decided(x, x.mirrored, reflections, _ELSEWHERE, mirror=True)
+    decision = choose_reflection(problem, reflections)
     margin = decision.margin
-    if margin < _MARGIN and decision.distortion < tolerance:
+    if margin < given.margin and decision.distortion < tolerance:
         return _none(
             x,
             f"different reflections keep distances and shape about equally well (costs within {margin:.2f}): either "
             "a family of symmetries, of which none can be singled out, or a shape without any that is nearly round",
         )
-    found = _described(x, decision.result)
-    if found.distortion > tolerance:
+    found = _described(x, decision.dense)
+    if found.score > tolerance:
         return _none(
             x,
-            f"the best map of the shape to its mirror image distorts distances by {found.distortion:.3f} sqrt(area) "
+            f"the best map of the shape to its mirror image distorts distances by {found.score:.3f} sqrt(area) "
             f"in the mean, more than the tolerance of {tolerance:g}",
         )
-    alike = likeness(x, x, found.nearest)
-    if alike < max(_ALIKE, 1 - max(_UNLIKE * found.distortion, _LEAST_UNLIKE)):
+    alike = hks_agreement(problem, found.nearest)
+    gap = max(given.symmetry_gap * found.score, given.symmetry_least_gap)
+    if alike < max(given.symmetry_alike, 1 - gap):
         return _none(
             x,
-            f"the best map of the shape to its mirror image keeps distances to {found.distortion:.3f} sqrt(area), but "
+            f"the best map of the shape to its mirror image keeps distances to {found.score:.3f} sqrt(area), but "
             f"relates parts of different shape (their heat kernels agree by {alike:.2f} only)",
         )
     return found
 
 
-def _described(x: PreparedShape, result: Finished) -> Symmetry:
+def _described(x: PreparedShape, dense: DenseMap) -> Symmetry:
     # The map and its inverse are the same: matching in both at once makes the costs symmetric.
-    first = np.column_stack([result.embedding_x, result.embedding_y])
-    second = np.column_stack([result.embedding_y, result.embedding_x])
-    p2p = nearest(first, second)
+    first = np.column_stack([dense.embedding_x, dense.embedding_y])
+    second = np.column_stack([dense.embedding_y, dense.embedding_x])
+    p2p = nearest_neighbors(first, second)
     side = _sides(x, p2p)
     # Where the vertices go between the vertices of the other side: nearer to the truth than the nearest of them.
-    v, mirrored = x.unit.vertices, result.positions * np.array([-1.0, 1.0, 1.0])
-    probes = x.samples[:_PROBES]
+    v, mirrored = x.unit.vertices, dense.positions * np.array([-1.0, 1.0, 1.0])
+    probes = x.fps[: x.parameters.probes]
     there = x.distances(p2p[probes])
-    asymmetry = np.abs(x.rows[: len(probes)] - there[:, p2p]).mean(axis=0, dtype=np.float64)
-    distortion = float(x.areas @ asymmetry)
+    asymmetry = np.abs(x.fps_distances[: len(probes)] - there[:, p2p]).mean(axis=0, dtype=np.float64)
+    score = float(x.areas @ asymmetry)
     return Symmetry(
         True,
-        f"a reflection that distorts distances by {distortion:.3f} sqrt(area) in the mean",
-        frozen(paired(np.column_stack([mirrored, v]), np.column_stack([v, mirrored]), side)),
+        f"a reflection that distorts distances by {score:.3f} sqrt(area) in the mean",
+        frozen(optimal_involution(np.column_stack([mirrored, v]), np.column_stack([v, mirrored]), side)),
         frozen(p2p),
         frozen(side),
         frozen(side == 0),
         frozen(asymmetry),
-        distortion,
+        score,
         orientation(x.unit, x.unit, p2p),
-        symmetry_epsilon(x.views[-1].spectrum, p2p),
-        frozen(symmetry_regions(x.views[-1].spectrum)),
+        symmetry_epsilon(x.spectrum, p2p),
+        frozen(symmetry_regions(x.spectrum)),
     )
 
 
@@ -184,10 +202,10 @@ def _sides(x: PreparedShape, p2p: IndexArray) -> npt.NDArray[np.int8]:
     are equally far: so the nearer of p and Tp is the one on the same side.
     """
     # Distance to the mirror of a point is that of the mirrored vertex to the point.
-    excess = x.rows[:, p2p] - x.rows
-    own = excess[np.arange(len(x.rows)), x.samples[: len(x.rows)]]
+    excess = x.fps_distances[:, p2p] - x.fps_distances
+    own = excess[np.arange(len(x.fps_distances)), x.fps[: len(x.fps_distances)]]
     reference = int(own.argmax())
-    of_points = np.sign(excess[reference, x.samples[: len(x.rows)]])
+    of_points = np.sign(excess[reference, x.fps[: len(x.fps_distances)]])
     lead = (of_points[:, None] * excess).mean(axis=0, dtype=np.float64)
     side = np.sign(lead).astype(np.int8)
     a, b = x.unit.edges.T
@@ -207,9 +225,9 @@ def _none(x: PreparedShape, reason: str) -> Symmetry:
         identity,
         frozen(np.zeros(n, np.int8)),
         frozen(np.zeros(n, bool)),
-        frozen(np.zeros(n)),
-        0.0,
-        1.0,
-        symmetry_epsilon(x.views[-1].spectrum),
-        frozen(symmetry_regions(x.views[-1].spectrum)),
+        frozen(np.full(n, np.nan)),
+        np.nan,
+        np.nan,
+        symmetry_epsilon(x.spectrum),
+        frozen(symmetry_regions(x.spectrum)),
     )

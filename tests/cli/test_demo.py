@@ -17,7 +17,7 @@ from qgeo_filters.caching import cache
 from qgeo_filters.cli.demo import cow, errors_against_exact
 from qgeo_filters.filters import stages
 from qgeo_filters.matching import prepared_shape
-from qgeo_filters.matching.prepared_shape import METRIC_WEIGHTS
+from qgeo_filters.matching.parameters import MatchingParameters
 
 Loaded = Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]
 
@@ -35,7 +35,9 @@ def test_demo(qgeo: Callable[..., Result], loaded: Loaded, monkeypatch: pytest.M
         )
     result = qgeo("demo", "-o", "out")
     assert result.exit_code == 0
-    assert sorted(weights) == sorted(METRIC_WEIGHTS)  # the spectrum and the table take two of the symmetry's
+    assert sorted(weights) == sorted(
+        MatchingParameters().curvature_weights
+    )  # the spectrum and the table take two of the symmetry's
     assert "libigl" in result.stdout
     assert "report.html in out" in result.stdout
     content, arrays = loaded(Path("out"))

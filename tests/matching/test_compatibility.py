@@ -35,7 +35,7 @@ def test_stretch_makes_poses_less_compatible() -> None:
 
 
 def test_mean_over_pairs_and_symmetry() -> None:
-    result = compatibility(stretched([0, 0.05, 0.1, 0.15]), baselines=(1, 3), k=6, weight=0.0)
+    result = compatibility(stretched([0, 0.05, 0.1, 0.15]), baselines=(1, 3), k=6, curvature_weight=0.0)
     assert result.baselines == (1, 3)
     np.testing.assert_array_equal(result.c_xy, result.c_xy.T)
     assert (np.diag(result.c_xy) == 0).all()

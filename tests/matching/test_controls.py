@@ -71,6 +71,9 @@ def assert_none(surface: Surface | PreparedShape, reason: str) -> None:
     assert np.array_equal(found.p2p, np.arange(len(found.p2p)))
     assert not found.side.any()
     assert not found.fixed.any()
+    # Not 0, which would be a perfect symmetry.
+    assert np.isnan(found.asymmetry).all()
+    assert np.isnan(found.score)
 
 
 @pytest.mark.parametrize("seed", range(10))

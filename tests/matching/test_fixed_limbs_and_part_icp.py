@@ -6,9 +6,10 @@ import numpy as np
 from shapes import icosphere
 
 from qgeo_filters.matching.prepared_shape import PreparedShape
+from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.selection.fixed_limbs import leaves_limbs
 from qgeo_filters.matching.selection.part_icp import turned_parts
-from qgeo_filters.matching.smooth_shells import Finished
+from qgeo_filters.matching.smooth_shells import DenseMap
 from qgeo_filters.surface import Surface
 
 MIRROR = np.array([-1, 1, 1])
@@ -32,16 +33,16 @@ def test_limbs_mirrored_into_themselves_are_told_from_limbs_exchanged() -> None:
         across /= np.linalg.norm(across)
         limb = np.flatnonzero(directions @ axis > 0.9)
         false[limb] = nearest(vertices[limb] - 2 * np.outer(vertices[limb] @ across, across), vertices)
-    assert leaves_limbs(shape, false, true)
-    assert not leaves_limbs(shape, true, false)
-    assert not leaves_limbs(shape, true, true)
+    assert leaves_limbs(MatchProblem.of_reflection(shape), false, true)
+    assert not leaves_limbs(MatchProblem.of_reflection(shape), true, false)
+    assert not leaves_limbs(MatchProblem.of_reflection(shape), true, true)
     # A map of front to back leaves nothing in place, nor does one that takes the head, which is on the axis, elsewhere.
     back = nearest(vertices * [1, -1, 1], vertices)
-    assert not leaves_limbs(shape, true, back)
-    assert not leaves_limbs(shape, back, true)
+    assert not leaves_limbs(MatchProblem.of_reflection(shape), true, back)
+    assert not leaves_limbs(MatchProblem.of_reflection(shape), back, true)
     elsewhere = true.copy()
     elsewhere[directions @ limbs[4] > 0.9] = int((vertices @ limbs[2]).argmax())
-    assert not leaves_limbs(shape, true, elsewhere)
+    assert not leaves_limbs(MatchProblem.of_reflection(shape), true, elsewhere)
 
 
 def test_a_turned_part_is_turned_back_and_a_right_one_left_alone() -> None:
@@ -53,12 +54,12 @@ def test_a_turned_part_is_turned_back_and_a_right_one_left_alone() -> None:
     shape = PreparedShape(Surface(v, faces))
     unit, same = shape.unit.vertices, np.arange(len(v))
     nothing = np.zeros((0, 0), np.float32)
-    assert turned_parts(shape, shape, Finished(same, same, unit, nothing, nothing)) == []
+    assert turned_parts(MatchProblem(shape, shape), DenseMap(same, same, unit, nothing, nothing)) == []
     angle = np.deg2rad(120) * np.clip((v[:, 2] - 0.3) / 0.5, 0, 1)
     c, s = np.cos(angle), np.sin(angle)
     twisted = np.column_stack([c * unit[:, 0] - s * unit[:, 1], s * unit[:, 0] + c * unit[:, 1], unit[:, 2]])
     p2p = nearest(twisted, unit)
-    proposed = turned_parts(shape, shape, Finished(p2p, p2p, twisted, nothing, nothing))
+    proposed = turned_parts(MatchProblem(shape, shape), DenseMap(p2p, p2p, twisted, nothing, nothing))
     end = v[:, 2] > 1.2
     before, after = (np.linalg.norm(unit[q[end]] - unit[end], axis=1).mean() for q in (p2p, proposed[0]))
     assert before > 0.05

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 import pytest
@@ -18,8 +19,12 @@ from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.matching import prepared_shape as module
 from qgeo_filters.matching.correspondence import match
-from qgeo_filters.matching.prepared_shape import METRIC_WEIGHTS, PreparedShape
+from qgeo_filters.matching.parameters import MatchingParameters
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.surface import Surface
+
+#: Weights of the metrics that propose maps.
+WEIGHTS = MatchingParameters().curvature_weights
 
 
 class Spy:
@@ -57,7 +62,7 @@ def test_filters_share_each_matrix(spy: Spy) -> None:
     shape = Surface(*blob(2))
     pipeline = qg.QuasiGeodesicSpectrum(k=5) | qg.SelfSymmetry(k0=5) | qg.Correspondence(target=shape)
     pipeline(shape)
-    assert sorted(spy.weights) == sorted(METRIC_WEIGHTS)  # the default of the spectrum is one of them
+    assert sorted(spy.weights) == sorted(WEIGHTS)  # the default of the spectrum is one of them
 
 
 def test_a_cache_of_other_weights_is_not_taken(spy: Spy, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -65,30 +70,30 @@ def test_a_cache_of_other_weights_is_not_taken(spy: Spy, monkeypatch: pytest.Mon
     shape = Surface(*blob(2))
     first = stages.symmetry_of(shape)
     assert stages.symmetry_of(shape) is first
-    monkeypatch.setattr(stages, "METRIC_WEIGHTS", (0.0, 0.2))
-    assert stages.prepared_shape_of(shape).weights == (0.0, 0.2)
+    monkeypatch.setattr(stages, "MatchingParameters", partial(MatchingParameters, curvature_weights=(0.0, 0.2)))
+    assert stages.prepared_shape_of(shape).parameters.curvature_weights == (0.0, 0.2)
     assert stages.symmetry_of(shape) is not first
-    assert sorted(spy.weights) == sorted([*METRIC_WEIGHTS, 0.2])  # that of weight 0 is shared
+    assert sorted(spy.weights) == sorted([*WEIGHTS, 0.2])  # that of weight 0 is shared
 
 
 def test_a_descriptor_takes_matrices_from_its_caller(surface: Surface) -> None:
     spy = Spy()
-    given = PreparedShape(surface, matrix=spy).prepared()
-    own = PreparedShape(surface).prepared()
-    assert spy.weights == list(METRIC_WEIGHTS)
-    for one, other in zip(given.views, own.views, strict=True):
+    given = PreparedShape(surface, matrix=spy).prepare()
+    own = PreparedShape(surface).prepare()
+    assert spy.weights == list(WEIGHTS)
+    for one, other in zip(given.embeddings, own.embeddings, strict=True):
         np.testing.assert_array_equal(one.eigenvalues, other.eigenvalues)
         np.testing.assert_array_equal(one.eigenfunctions, other.eigenfunctions)
-        np.testing.assert_array_equal(one.rows, other.rows)
-    np.testing.assert_array_equal(given.samples, own.samples)
+        np.testing.assert_array_equal(one.fps_distances, other.fps_distances)
+    np.testing.assert_array_equal(given.fps, own.fps)
 
 
 def test_the_mirror_image_costs_no_distances(surface: Surface) -> None:
     spy = Spy()
-    shape = PreparedShape(surface, matrix=spy).prepared()
-    image = shape.mirrored.prepared()
-    assert spy.weights == list(METRIC_WEIGHTS)
-    assert image.views is shape.views
+    shape = PreparedShape(surface, matrix=spy).prepare()
+    image = shape.mirrored.prepare()
+    assert spy.weights == list(WEIGHTS)
+    assert image.embeddings is shape.embeddings
     assert image.laplacian is shape.laplacian
     np.testing.assert_array_equal(image.distances([0, 5]), shape.distances([0, 5]))
     np.testing.assert_allclose(image.normals, shape.normals * [-1, 1, 1], atol=1e-12)
@@ -100,19 +105,20 @@ def test_everything_is_that_of_the_shape_at_unit_area(surface: Surface) -> None:
     unit = Surface((surface.vertices - surface.vertices.mean(axis=0)) / np.sqrt(surface.area), surface.faces)
     assert unit.area == pytest.approx(1)
     np.testing.assert_allclose(shape.areas, unit.vertex_areas, rtol=1e-12)
-    for view in shape.views:
-        matrix = distance_matrix(unit, lifted_metric(unit, curvature_weight=view.weight))
-        np.testing.assert_allclose(view.rows, matrix[shape.samples[: len(view.rows)]], rtol=2e-6, atol=1e-7)
+    for view in shape.embeddings:
+        matrix = distance_matrix(unit, lifted_metric(unit, curvature_weight=view.curvature_weight))
+        rows = matrix[shape.fps[: len(view.fps_distances)]]
+        np.testing.assert_allclose(view.fps_distances, rows, rtol=2e-6, atol=1e-7)
         expected = qg.distance_spectrum(unit, view.spectrum.k, matrix=matrix)
         np.testing.assert_allclose(view.spectrum.eigenvalues, expected.eigenvalues, rtol=1e-5)
         np.testing.assert_array_equal(view.spectrum.areas, shape.areas)
         gram = view.spectrum.eigenfunctions.T @ (shape.areas[:, None] * expected.eigenfunctions)
         np.testing.assert_allclose(np.abs(np.diag(gram)), 1, atol=1e-4)
-    np.testing.assert_allclose(shape.distances(shape.samples[:3]), shape.rows[:3], rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(shape.distances(shape.fps[:3]), shape.fps_distances[:3], rtol=1e-6, atol=1e-7)
 
 
 def test_the_first_eigenfunctions_are_exact_and_the_last_good(surface: Surface) -> None:
-    view = PreparedShape(surface, weights=(CURVATURE_WEIGHT,)).views[0]
+    view = PreparedShape(surface, curvature_weights=(CURVATURE_WEIGHT,)).embeddings[0]
     matrix = distance_matrix(surface, lifted_metric(surface)).astype(np.float64) / np.sqrt(surface.area)
     root = np.sqrt(surface.vertex_areas / surface.area)
     values, vectors = eigh(root[:, None] * matrix * root)
@@ -138,5 +144,5 @@ def test_a_descriptor_outlives_its_process(surface: Surface) -> None:
     """A cache on disk holds descriptors: with the function that gave them their distances."""
     shape = stages.prepared_shape_of(surface)
     again = pickle.loads(pickle.dumps(shape))
-    np.testing.assert_array_equal(again.views[1].rows, shape.views[1].rows)
-    np.testing.assert_array_equal(again.samples, shape.samples)
+    np.testing.assert_array_equal(again.embeddings[1].fps_distances, shape.embeddings[1].fps_distances)
+    np.testing.assert_array_equal(again.fps, shape.fps)

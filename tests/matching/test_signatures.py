@@ -9,7 +9,8 @@ import pytest
 from shapes import icosphere, torus
 
 from qgeo_filters.matching.prepared_shape import PreparedShape
-from qgeo_filters.matching.selection.signatures import likeness, relief_likeness
+from qgeo_filters.matching.problem import MatchProblem
+from qgeo_filters.matching.selection.signatures import curvature_agreement, hks_agreement
 from qgeo_filters.surface import Surface
 
 
@@ -39,39 +40,39 @@ def described(sign: float) -> PreparedShape:
     return PreparedShape(Surface(*pressed(sign)))
 
 
-def test_relief_of_a_sphere_is_its_curvature_and_that_of_a_torus_follows_the_formula() -> None:
+def test_smoothed_curvature_of_a_sphere_is_its_curvature_and_that_of_a_torus_follows_the_formula() -> None:
     sphere = PreparedShape(Surface(*icosphere(3)))
-    np.testing.assert_allclose(sphere.relief, np.sqrt(4 * np.pi), rtol=0.01)
+    np.testing.assert_allclose(sphere.smoothed_mean_curvature, np.sqrt(4 * np.pi), rtol=0.01)
     vertices, faces = torus(80, 40)
     ring = PreparedShape(Surface(vertices, faces))
     outwards = np.hypot(vertices[:, 0], vertices[:, 1])
     cosine = (outwards - 1.0) / 0.4
     expected = (1.0 + 2 * 0.4 * cosine) / (2 * 0.4 * outwards) * ring.scale
-    np.testing.assert_allclose(ring.relief, expected, atol=0.12 * np.ptp(expected))  # smoothed
+    np.testing.assert_allclose(ring.smoothed_mean_curvature, expected, atol=0.12 * np.ptp(expected))  # smoothed
 
 
-def test_relief_tells_a_bulge_from_a_hollow() -> None:
+def test_smoothed_curvature_tells_a_bulge_from_a_hollow() -> None:
     x = described(-1.0)
     identity, turned = np.arange(x.n_vertices), half_turn(x.unit.vertices)
-    assert relief_likeness(x, x, identity) == 1
-    assert relief_likeness(x, x, turned) < 0.2
+    assert curvature_agreement(MatchProblem(x, x), identity) == 1
+    assert curvature_agreement(MatchProblem(x, x), turned) < 0.2
     same = described(1.0)
-    assert relief_likeness(same, same, turned) > 0.99
+    assert curvature_agreement(MatchProblem(same, same), turned) > 0.99
 
 
-def test_likeness_of_equal_shapes_is_one_and_that_of_a_random_map_near_zero() -> None:
+def test_agreement_of_equal_shapes_is_one_and_that_of_a_random_map_near_zero() -> None:
     x = described(1.0)
     shuffled = np.random.default_rng(0).permutation(x.n_vertices)
-    for measure in (likeness, relief_likeness):
-        assert measure(x, x, np.arange(x.n_vertices)) == 1
-        assert measure(x, x, shuffled) == pytest.approx(0, abs=0.2)
+    for measure in (hks_agreement, curvature_agreement):
+        assert measure(MatchProblem(x, x), np.arange(x.n_vertices)) == 1
+        assert measure(MatchProblem(x, x), shuffled) == pytest.approx(0, abs=0.2)
 
 
-def test_relief_does_not_change_in_a_mirror_with_the_place_or_with_the_size() -> None:
+def test_smoothed_curvature_does_not_change_in_a_mirror_with_the_place_or_with_the_size() -> None:
     x = described(-1.0)
-    np.testing.assert_array_equal(x.mirrored.relief, x.relief)
+    np.testing.assert_array_equal(x.mirrored.smoothed_mean_curvature, x.smoothed_mean_curvature)
     vertices, faces = pressed(-1.0)
     flipped = PreparedShape(Surface(vertices * [-1, 1, 1], faces[:, ::-1]))
-    np.testing.assert_allclose(flipped.relief, x.relief, atol=1e-3)
+    np.testing.assert_allclose(flipped.smoothed_mean_curvature, x.smoothed_mean_curvature, atol=1e-3)
     moved = PreparedShape(Surface(17.0 * vertices + 3, faces))
-    np.testing.assert_allclose(moved.relief, x.relief, atol=1e-3)
+    np.testing.assert_allclose(moved.smoothed_mean_curvature, x.smoothed_mean_curvature, atol=1e-3)

@@ -8,66 +8,68 @@ from shapes import blob
 
 from qgeo_filters.deformation import arap
 from qgeo_filters.matching.correspondence import match
-from qgeo_filters.matching.prepared_shape import PreparedShape
+from qgeo_filters.matching.parameters import COARSE_TO_FINE, FINAL, HKS_GUIDED, PREVIEW, Stages
+from qgeo_filters.matching.problem import MatchProblem
+from qgeo_filters.matching.schedule import Schedule
 from qgeo_filters.matching.selection import cost
-from qgeo_filters.matching.smooth_shells import ENDING, RECONSIDERING, SETTLING, TRIAL, Pass, factorised, finished
+from qgeo_filters.matching.smooth_shells import register
 from qgeo_filters.surface import Surface
 
 
 @pytest.fixture(scope="module")
-def pair() -> tuple[PreparedShape, PreparedShape]:
+def problem() -> MatchProblem:
     vertices, faces = blob(3, 0)
     bent = vertices + 0.1 * np.sin(2 * vertices[:, [1, 2, 0]])
-    return PreparedShape(Surface(vertices, faces)), PreparedShape(Surface(bent, faces))
+    return MatchProblem.of(Surface(vertices, faces), Surface(bent, faces))
 
 
 @pytest.mark.parametrize(
-    "passes",
-    [TRIAL, SETTLING, RECONSIDERING, TRIAL + SETTLING, ENDING],
-    ids=["trial", "settling", "reconsidering", "trial and settling", "ending"],
+    "stages",
+    [PREVIEW, COARSE_TO_FINE, HKS_GUIDED, PREVIEW + COARSE_TO_FINE, FINAL],
+    ids=["preview", "coarse to fine", "guided", "preview and coarse to fine", "final"],
 )
 def test_nothing_is_factorised_in_a_thread(
-    pair: tuple[PreparedShape, PreparedShape], passes: tuple[Pass, ...], monkeypatch: pytest.MonkeyPatch
+    problem: MatchProblem, stages: Stages, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """SciPy would leak it."""
-    x, y = pair
-    x.rigidity.release()
-    factorised(x, y, passes)
+    x, y = problem.x, problem.y
+    x.arap.release()
+    schedule = Schedule.of(problem, stages)
+    solvers = schedule.prefactor(x.arap)
 
     def forbidden(*_: object, **__: object) -> None:
         raise AssertionError("factorised while maps are tried side by side")
 
     monkeypatch.setattr(arap, "splu", forbidden)
-    found = finished(x, y, np.arange(x.n_vertices), passes)
+    found = register(problem, np.arange(x.n_vertices), schedule, solvers)
     off = np.linalg.norm(found.positions - y.unit.vertices, axis=1)
     assert off.mean() < 0.05
     assert (found.p2p == np.arange(x.n_vertices)).mean() > 0.8
 
 
 def test_factorisations_are_dropped_when_a_match_is_interrupted(
-    pair: tuple[PreparedShape, PreparedShape], monkeypatch: pytest.MonkeyPatch
+    problem: MatchProblem, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    x, y = pair
-    x.rigidity.release()
+    x, y = problem.x, problem.y
+    x.arap.release()
     used = []
 
-    def interrupted(x: PreparedShape, *_: object) -> None:
-        used.append(len(x.rigidity._factors))
+    def interrupted(problem: MatchProblem, *_: object) -> None:
+        used.append(problem.x.arap.n_factorised)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cost, "likeness", interrupted)
+    monkeypatch.setattr(cost, "hks_agreement", interrupted)
     with pytest.raises(KeyboardInterrupt):
         match(x, y)
     assert max(used) > 0
-    assert not x.rigidity._factors
-    assert not y.rigidity._factors
+    assert x.arap.n_factorised == y.arap.n_factorised == 0
 
 
 def test_the_map_and_its_inverse_are_nearest_neighbours_in_what_was_compared(
-    pair: tuple[PreparedShape, PreparedShape],
+    problem: MatchProblem,
 ) -> None:
-    x, y = pair
-    found = finished(x, y, np.arange(x.n_vertices))
+    x, y = problem.x, problem.y
+    found = register(problem, np.arange(x.n_vertices), Schedule.of(problem, COARSE_TO_FINE + FINAL))
     squared = ((found.embedding_x[:, None] - found.embedding_y) ** 2).sum(axis=2)
     nearest = np.take_along_axis(squared, found.p2p[:, None], axis=1)[:, 0]
     np.testing.assert_allclose(nearest, squared.min(axis=1), rtol=1e-4, atol=1e-9)
@@ -75,17 +77,17 @@ def test_the_map_and_its_inverse_are_nearest_neighbours_in_what_was_compared(
     np.testing.assert_allclose(back, squared.min(axis=0), rtol=1e-4, atol=1e-9)
 
 
-def test_the_order_in_which_points_are_given_does_not_matter(pair: tuple[PreparedShape, PreparedShape]) -> None:
+def test_the_order_in_which_points_are_given_does_not_matter(problem: MatchProblem) -> None:
     """All vertices as farthest points, in their order: what a shape of few vertices starts from."""
-    x, y = pair
-    assert len(x.samples) == x.n_vertices
-    one = finished(x, y, np.arange(x.n_vertices), TRIAL)
-    other = finished(x, y, x.samples, TRIAL, x.samples)
+    x = problem.x
+    assert len(x.fps) == x.n_vertices
+    one = register(problem, np.arange(x.n_vertices), Schedule.of(problem, PREVIEW))
+    other = register(problem, x.fps, Schedule.of(problem, PREVIEW, x.fps))
     np.testing.assert_allclose(other.positions, one.positions, atol=1e-4)
 
 
-def test_some_points_are_enough_to_start_from(pair: tuple[PreparedShape, PreparedShape]) -> None:
-    x, y = pair
-    points = x.samples[:150]
-    found = finished(x, y, points, SETTLING, points)
+def test_some_points_are_enough_to_start_from(problem: MatchProblem) -> None:
+    x, y = problem.x, problem.y
+    points = x.fps[:150]
+    found = register(problem, points, Schedule.of(problem, COARSE_TO_FINE, points))
     assert np.linalg.norm(found.positions - y.unit.vertices, axis=1).mean() < 0.05

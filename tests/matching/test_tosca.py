@@ -102,7 +102,7 @@ def test_the_mirror_image_of_an_asymmetric_shape_is_not_trusted(prepared: Prepar
     """A wolf that lost a leg, and its reflection: the one map that keeps distances turns the surface inside out."""
     wolf = prepared("wolf0")
     # The farthest points are the tip of the tail, the nose, and then the paws.
-    gone = distances(wolf.surface, [wolf.samples[2]])[0] < 0.4 * wolf.scale
+    gone = distances(wolf.surface, [wolf.fps[2]])[0] < 0.4 * wolf.scale
     x, _ = wolf.surface.submesh(~gone)
     assert x.components[0] == 1
     y = Surface(x.vertices * [-1, 1, 1], x.faces[:, ::-1])

@@ -1,4 +1,4 @@
-"""Maps of farthest points to vertices that the search proposes."""
+"""Maps of farthest points to vertices that compete: hypotheses of both searches, lifted, and their mirrored maps."""
 
 from __future__ import annotations
 
@@ -7,28 +7,15 @@ from functools import partial
 
 import numpy as np
 
-from qgeo_filters._typing import IndexArray, SingleArray
-from qgeo_filters.matching.initialization.agd_extrema import extremity_maps
-from qgeo_filters.matching.initialization.sign_search import search
-from qgeo_filters.matching.maps.orientation import facing
+from qgeo_filters._typing import IndexArray
+from qgeo_filters.matching.initialization.agd_extrema import extrema_maps
+from qgeo_filters.matching.initialization.sign_search import sign_search
+from qgeo_filters.matching.initialization.upsampling import laplacian_lift, zoomout_lift
+from qgeo_filters.matching.maps.map_distance import mean_distortion
+from qgeo_filters.matching.maps.orientation import normal_cosines
 from qgeo_filters.matching.prepared_shape import PreparedShape
-from qgeo_filters.matching.smooth_shells import grown, spread
+from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.parallel import concurrently
-
-# Maps that distort distances by more than this times the best are not worth growing.
-_WORTHWHILE = 2.0
-# Distortion of a coarse map below which the next ones count as well: a shape that turns onto itself has many as good as
-# the identity between two copies of one mesh, but for the rounding to farthest points.
-_ROUGH = 0.02
-# Points between which distances are compared.
-_POINTS = 300
-# Farthest points that are mapped: enough for a trial, which begins with smooth functions.
-_MAPPED = 800
-# Triangles, each at a farthest point, that tell the orientation.
-_TRIANGLES = 400
-# A map whose orientation is nearer to 0 turns much of the surface over: the best right ones of sixteen pairs of the
-# tuning categories have .38 and more.
-_ONE_SIDED = 0.15
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,70 +27,83 @@ class Candidate:
     p2p : (s,) int
         Vertex of Y for each of X's `mapped_points`.
     distortion : float
-        Mean |d_X(p, q) - d_Y(Tp, Tq)|, in units of sqrt(area), over farthest points.
+        See `mean_distortion`.
     orientation : float
         See `orientation`; over some of the triangles.
+    number : int
+        In the log of the problem.
     """
 
     p2p: IndexArray
     distortion: float
     orientation: float
+    number: int
 
 
-def mapped_points(x: PreparedShape) -> IndexArray:
+def mapped_points(problem: MatchProblem) -> IndexArray:
     """The vertices of X that candidates map: its first farthest points."""
-    return x.samples[:_MAPPED]
+    return problem.x.fps[: problem.parameters.candidate_points]
 
 
-def candidates(x: PreparedShape, y: PreparedShape, *, identity: bool = True) -> list[Candidate]:
-    """Different maps from X to Y, the least distorting first; see `search` for ``identity``.
+def candidates(problem: MatchProblem) -> list[Candidate]:
+    """Different maps from X to Y, the least distorting first.
 
     Maps that neither keep nor reverse the orientation are left out, unless there are no others.
     """
-    hypotheses = search(x, y, identity=identity)
-    # Without the identity, what is left near it may keep distances better than any reflection does.
-    bound = _WORTHWHILE * max(hypotheses[0].distortion, _ROUGH) + 0.01 if identity and hypotheses else np.inf
+    given, log = problem.parameters, problem.log
+    hypotheses = sign_search(problem)
+    # For a reflection, what is left near the identity may keep distances better than any reflection does.
+    bound = np.inf
+    if hypotheses and not problem.reflection:
+        least = max(hypotheses[0].distortion, given.candidate_floor)
+        bound = given.candidate_ratio * least + given.ratio_slack
     worth = [h for h in hypotheses if h.distortion <= bound]
-    guesses = extremity_maps(x, y, identity=identity)
-    points, triangles = mapped_points(x), _largest_triangles(x)
+    for h in hypotheses:
+        if h.distortion > bound:
+            log.drop(h.number, f"distorts distances by more than {bound:.3f}")
+    guesses = extrema_maps(problem)
+    points, triangles = mapped_points(problem), _largest_triangles(problem.x, given.candidate_triangles)
     vertices = np.concatenate([points, triangles.ravel()])
 
-    def measured(images: IndexArray) -> Candidate:
+    def measured(number: int, images: IndexArray) -> Candidate:
         p2p, corners = images[: len(points)], images[len(points) :].reshape(-1, 3)
-        return Candidate(p2p, distortion(x, y, p2p), float(facing(y.unit, corners).mean()))
+        cosine = float(normal_cosines(problem.y.unit, corners).mean())
+        return Candidate(p2p, mean_distortion(problem, p2p), cosine, number)
 
-    tasks = [partial(grown, x, y, hypothesis, vertices) for hypothesis in worth]
-    tasks += [partial(spread, x, y, guess, vertices) for guess in guesses]
-    found = sorted(concurrently(lambda task: measured(task()), tasks), key=lambda c: c.distortion)
-    return [c for c in found if abs(c.orientation) > _ONE_SIDED] or found
+    tasks = [(h.number, partial(zoomout_lift, problem, h, vertices)) for h in worth]
+    tasks += [(guess.number, partial(laplacian_lift, problem, guess, vertices)) for guess in guesses]
+    found = sorted(concurrently(lambda task: measured(task[0], task[1]()), tasks), key=lambda c: c.distortion)
+    for c in found:
+        log.note(c.number, distortion=c.distortion, orientation=c.orientation)
+    one_sided = [c for c in found if abs(c.orientation) > given.one_sided]
+    for c in found if one_sided else ():
+        if abs(c.orientation) <= given.one_sided:
+            log.drop(c.number, f"neither keeps nor reverses the orientation (within {given.one_sided:g} of 0)")
+    return one_sided or found
 
 
-def _largest_triangles(x: PreparedShape) -> IndexArray:
+def mirrored_map(problem: MatchProblem, c: Candidate, mirror: IndexArray, *, of_y: bool) -> Candidate:
+    """A candidate composed with a self-symmetry: the map that keeps distances as well and reverses the orientation.
+
+    Parameters
+    ----------
+    mirror : (n,) int
+        Vertex nearest to the mirror point of each vertex of Y, or of X if not ``of_y``.
+    """
+    x = problem.x
+    if of_y:
+        p2p = mirror[c.p2p]
+    else:
+        rows = x.fps_distances[: len(c.p2p)]
+        p2p = c.p2p[rows[:, mirror[x.fps[: len(rows)]]].argmin(axis=0)]
+    distortion = mean_distortion(problem, p2p)
+    number = problem.log.propose(f"#{c.number} by the symmetry of {'Y' if of_y else 'X'}", distortion, -c.orientation)
+    return Candidate(p2p, distortion, -c.orientation, number)
+
+
+def _largest_triangles(x: PreparedShape, count: int) -> IndexArray:
     """The largest triangle at each of the first farthest points, (t, 3)."""
     order = np.argsort(x.unit.face_areas, kind="stable")
     largest = np.empty(x.n_vertices, dtype=np.int64)
     largest[x.unit.faces[order]] = order[:, None]  # the last one stays
-    return x.unit.faces[largest[x.samples[:_TRIANGLES]]].astype(np.int64)
-
-
-def distortion(x: PreparedShape, y: PreparedShape, images: IndexArray) -> float:
-    """Mean |d_X(p, q) - d_Y(Tp, Tq)| over pairs of farthest points, in units of sqrt(area).
-
-    One image of each pair is taken to the nearest farthest point of Y, from which distances are at hand.
-
-    Parameters
-    ----------
-    images : (s,) int
-        Of X's first farthest points: of how many, does not matter if they are at least 300.
-    """
-    s = min(_POINTS, len(x.rows))
-    images = images[:s]
-    near = np.argmin(y.rows[:, images], axis=0)
-    return float(np.abs(x.rows[:s, x.samples[:s]] - y.rows[near][:, images]).mean())
-
-
-def between(y: PreparedShape, one: IndexArray, other: IndexArray) -> SingleArray:
-    """Distances on Y between the images of two maps (a close lower bound), in units of sqrt(area)."""
-    # Distances to a landmark differ by at most the distance, and by nearly as much for one landmark of many.
-    rows = y.rows[:100]
-    return np.abs(rows[:, one] - rows[:, other]).max(axis=0)
+    return x.unit.faces[largest[x.fps[:count]]].astype(np.int64)

@@ -22,7 +22,7 @@ _BLOCK = 1024
 _THREADED = 3000
 
 
-def nearest(points: npt.NDArray, others: npt.NDArray) -> IndexArray:
+def nearest_neighbors(points: npt.NDArray, others: npt.NDArray) -> IndexArray:
     """Row of others (m, d) nearest to each row of points (..., n, d), shape (..., n); the first of equals."""
     half = 0.5 * np.einsum("ij,ij->i", others, others)
     rows = points.reshape(-1, points.shape[-1])
@@ -34,11 +34,11 @@ def nearest(points: npt.NDArray, others: npt.NDArray) -> IndexArray:
     return result.reshape(points.shape[:-1])
 
 
-def nearest_both(points: npt.NDArray, others: npt.NDArray) -> tuple[IndexArray, IndexArray]:
+def nearest_neighbors_both_ways(points: npt.NDArray, others: npt.NDArray) -> tuple[IndexArray, IndexArray]:
     """Nearest row of others (m, d) to each of points (n, d), and the reverse, shapes (n,) and (m,).
 
     Both lie near surfaces: a few columns, such as positions, should vary by much more than the rest, so that a tree
-    leaves out most rows; for eigenfunctions alone `nearest` is faster.
+    leaves out most rows; for eigenfunctions alone `nearest_neighbors` is faster.
     """
     workers = 1 if max(len(points), len(others)) < _THREADED else worker_count()
     forth = cKDTree(others).query(points, workers=workers)[1]
@@ -49,27 +49,28 @@ def nearest_both(points: npt.NDArray, others: npt.NDArray) -> tuple[IndexArray, 
 def functional_map(
     basis_x: npt.NDArray, basis_y: npt.NDArray, p2p: IndexArray, weights: npt.NDArray | None = None
 ) -> npt.NDArray:
-    """Least-squares functional map C (k_x, k_y) of a point map: ``basis_x @ C`` close to ``basis_y[p2p]``.
+    """Least-squares functional map C (..., k_x, k_y) of point maps: ``basis_x @ C`` close to ``basis_y[p2p]``.
 
     Parameters
     ----------
-    basis_x : (..., n, k_x)
+    basis_x : (n, k_x), or a stack (..., n, k_x)
     basis_y : (m, k_y)
-    p2p : (n,) int
+    p2p : (n,) int, or a stack (..., n)
     weights : (n,), optional
         Area of each point of X; equal by default.
     """
     left = basis_x if weights is None else basis_x * weights[:, None]
-    return np.linalg.solve(left.T @ basis_x, left.T @ basis_y[p2p])
+    across = np.swapaxes(left, -1, -2)
+    return np.linalg.solve(across @ basis_x, across @ basis_y[p2p])
 
 
-def orthogonal(functional: npt.NDArray) -> npt.NDArray:
+def procrustes(functional: npt.NDArray) -> npt.NDArray:
     """Nearest orthogonal matrix (polar projection), also of a stack (..., k, k)."""
     u, _, v = np.linalg.svd(functional)
     return u @ v
 
 
-def upsampled(
+def zoomout(
     basis_x: npt.NDArray, basis_y: npt.NDArray, p2p: IndexArray, points: IndexArray, sizes: Iterable[int]
 ) -> npt.NDArray:
     """Functional map (k, k) of the largest size, from a point map of some points, by spectral upsampling.
@@ -94,8 +95,8 @@ def upsampled(
     for k in sizes:
         if result is not None:
             width = result.shape[0]
-            p2p = nearest(basis_x[points, :width] @ result, basis_y[:, :width])
-        result = orthogonal(functional_map(basis_x[points, :k], basis_y[:, :k], p2p))
+            p2p = nearest_neighbors(basis_x[points, :width] @ result, basis_y[:, :width])
+        result = procrustes(functional_map(basis_x[points, :k], basis_y[:, :k], p2p))
     if result is None:
         raise ParameterError("spectral upsampling needs at least one number of eigenfunctions")
     return result

@@ -28,7 +28,7 @@ def nearest_partners(left: npt.NDArray, right: npt.NDArray, count: int) -> tuple
     return partners, np.maximum(costs, 0.0)
 
 
-def paired(first: npt.NDArray, second: npt.NDArray, side: npt.NDArray[np.int8]) -> IndexArray:
+def optimal_involution(first: npt.NDArray, second: npt.NDArray, side: npt.NDArray[np.int8]) -> IndexArray:
     """Involution T (n,) that pairs points of side 1 with points of side -1, or a point with itself.
 
     Minimises the sum of costs, where x and y paired cost :math:`|first_x - second_y|` each, and a point that is left

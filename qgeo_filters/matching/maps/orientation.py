@@ -14,10 +14,10 @@ def orientation(x: Surface, y: Surface, p2p: npt.NDArray[np.int64]) -> float:
     Weighted by the area of the triangles on X. Near +0.7 for a good map between discrete surfaces and near -0.7 for
     its mirrored twin; triangles that the map collapses count as zero.
     """
-    return float(x.face_areas @ facing(y, p2p[x.faces]) / x.area)
+    return float(x.face_areas @ normal_cosines(y, p2p[x.faces]) / x.area)
 
 
-def facing(y: Surface, corners: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]:
+def normal_cosines(y: Surface, corners: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]:
     """Cosine (m,) between the normal of each triangle of vertices of Y (m, 3), any three, and Y's normals there."""
     a, b, c = (y.vertices[corners[:, k]] for k in range(3))
     cross = np.cross(b - a, c - a)

@@ -2,32 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
 
-from qgeo_filters.matching.initialization.candidates import Candidate, between
-from qgeo_filters.matching.initialization.sign_search import DISTINCT
-from qgeo_filters.matching.prepared_shape import PreparedShape
-from qgeo_filters.matching.selection.cost import Contender, contenders, settled, taken_further
-from qgeo_filters.matching.selection.fixed_limbs import leaves_limbs
+from qgeo_filters.matching.initialization.candidates import Candidate, mapped_points
+from qgeo_filters.matching.maps.map_distance import are_different, landmark_lower_bound
+from qgeo_filters.matching.problem import MatchProblem
+from qgeo_filters.matching.schedule import Schedule
+from qgeo_filters.matching.selection.cost import Contender, registered
+from qgeo_filters.matching.selection.fixed_limbs import without_fixed_limbs
 from qgeo_filters.matching.selection.part_icp import turned_parts
-from qgeo_filters.matching.smooth_shells import ENDING, SETTLING, TRIAL, Finished, finished
-
-# Of the contenders at most so many are taken further, if they cost no more than this many times the cheapest; and of
-# those whose images are this near in the mean, in sqrt(area), at most so many.
-_CLOSEST, _CLOSE = 4, 6.0
-_KIN, _MOST_KIN = 0.1, 2
-# Maps of a shape to its mirror image that relate parts as different as that, its front to its back, are no reflections.
-_ALIKE = 0.9
-# A map that leaves limbs in place, which another one exchanges, is none, unless that one costs this many times as much
-# or is less alike.
-_AT_REST, _MORE_ALIKE = 30.0, 0.96
-# Times that parts of the best map are turned, as long as it costs no more than this many times the cheapest (a part
-# that is right in the large may need another turn to fit), and most parts at a time.
-_TURNED, _PATIENCE, _MOST_PARTS = 3, 1.5, 2
-# Mean distance between images, in sqrt(area), up to which maps are the same.
-_TURNED_BACK = 0.01
+from qgeo_filters.matching.smooth_shells import DenseMap, register
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,88 +24,152 @@ class Decision:
 
     Attributes
     ----------
-    result : Finished
+    dense : DenseMap
     distortion : float
-        See `Candidate`.
+        See `mean_distortion`.
     margin : float
         How many times its cost the next different contender's is; inf if there is none.
     runner_up : float
         Distortion of that one.
     """
 
-    result: Finished
+    dense: DenseMap
     distortion: float
     margin: float
     runner_up: float
 
 
-def decided(
-    x: PreparedShape, y: PreparedShape, pool: list[Candidate], apart: float = DISTINCT, *, mirror: bool = False
-) -> Decision:
-    """The best of the maps, finished on all vertices: of those that cost little on trial the one that ends cheapest.
+def choose_map(problem: MatchProblem, pool: list[Candidate]) -> Decision:
+    """The best of the candidates, registered: of those that cost little in a preview the one that ends cheapest."""
+    with _factorisations_released(problem):
+        ranked = previewed(problem, pool)
+        best, margin, runner_up = _settled(problem, ranked, apart=problem.parameters.different_mean)
+        return _finished(problem, best, margin, runner_up)
 
-    Rivals are contenders whose images are ``apart`` in the mean, in sqrt(area), from those of the best.
-    With ``mirror``, Y is X's mirror image of the same vertices.
+
+def choose_reflection(problem: MatchProblem, pool: list[Candidate]) -> Decision:
+    """The best of the candidates for a reflection of X, registered.
+
+    As `choose_map`, but for what only reflections suffer from: limbs that are left in place, and parts of the body that
+    are turned about the axis.
     """
+    with _factorisations_released(problem):
+        ranked = without_fixed_limbs(problem, previewed(problem, pool))
+        best, margin, runner_up = _settled(problem, ranked, apart=problem.parameters.reflection_apart)
+        return _finished(problem, _with_parts_turned(problem, best), margin, runner_up)
+
+
+@contextmanager
+def _factorisations_released(problem: MatchProblem) -> Iterator[None]:
     try:
-        return _decided(x, y, pool, apart, mirror)
+        yield
     finally:
-        x.rigidity.release()
+        problem.x.arap.release()
 
 
-def _decided(x: PreparedShape, y: PreparedShape, pool: list[Candidate], apart: float, mirror: bool) -> Decision:
-    ranked = contenders(x, y, pool)
-    if mirror:
-        ranked = _reflections(x, ranked)
-    close = _close(y, ranked)
-    ends = settled(x, y, [c.result.p2p for c in close])
-    order = sorted(range(len(close)), key=lambda i: ends[i].end_cost)
-    best, trial = ends[order[0]], close[order[0]]
+def previewed(problem: MatchProblem, pool: list[Candidate]) -> list[Contender]:
+    """The best different candidates, deformed onto Y on trial, the cheapest first.
 
-    def elsewhere(c: Contender) -> bool:
-        return float(between(y, c.result.p2p, best.result.p2p).mean()) > apart
+    A map that is right in one part and wrong in another, such as one that swaps two legs, can keep distances better
+    than the right one does between two poses; but a deformation that follows it has to tear, fold or twist the surface
+    in between. The maps must keep the orientation.
+    """
+    given, log = problem.parameters, problem.log
+    ranked = sorted(pool, key=lambda c: c.distortion)
+    bound = given.preview_ratio * ranked[0].distortion + given.ratio_slack
+    tried: list[Candidate] = []
+    for c in ranked:
+        like = next((t for t in tried if not _differ(problem, c, t)), None)
+        if like is not None:
+            log.drop(c.number, f"the same map as #{like.number}")
+        elif c.distortion > bound:
+            log.drop(c.number, f"distorts distances by more than {bound:.3f}")
+        elif len(tried) == given.preview_count:
+            log.drop(c.number, f"not among the {given.preview_count} that distort least")
+        else:
+            tried.append(c)
+    maps = [(c.number, c.p2p) for c in tried]
+    ranks = sorted(registered(problem, maps, given.preview, mapped_points(problem)), key=lambda c: c.cost)
+    for contender in ranks:
+        _note(problem, contender, preview_cost=contender.cost)
+    return ranks
 
-    # A rival that was taken further is compared there, the others as they were on trial.
-    rivals = [(ends[i].end_cost / best.end_cost, ends[i]) for i in order[1:] if elsewhere(ends[i])]
-    rivals += [(c.cost / trial.cost, c) for c in ranked if not any(c is t for t in close) and elsewhere(c)]
-    margin, rival = min(rivals, key=lambda pair: pair[0], default=(np.inf, None))
-    if mirror:
-        best = _turned(x, y, best)
-    result = finished(x, y, best.result.p2p, ENDING)
-    return Decision(result, best.distortion, margin, rival.distortion if rival else np.inf)
 
-
-def _close(y: PreparedShape, ranked: list[Contender]) -> list[Contender]:
-    """Those whose cost on trial is near the least, not too many of one kind."""
+def close_contenders(problem: MatchProblem, ranked: list[Contender]) -> list[Contender]:
+    """Those whose cost in the preview is near the least, not too many of one kind."""
+    given, log = problem.parameters, problem.log
     close: list[Contender] = []
     for c in ranked:
-        near = len(close) < _CLOSEST and c.cost <= _CLOSE * ranked[0].cost
-        kin = [t for t in close if between(y, c.result.p2p, t.result.p2p).mean() < _KIN]
-        if near and len(kin) < _MOST_KIN:
+        kin = [t for t in close if _gap(problem, c, t) < given.kin_distance]
+        if c.cost > given.close_ratio * ranked[0].cost:
+            log.drop(c.number, f"costs more than {given.close_ratio:g} times the least in the preview")
+        elif len(close) == given.close_count:
+            log.drop(c.number, f"not among the {given.close_count} cheapest in the preview")
+        elif len(kin) >= given.kin_count:
+            log.drop(c.number, f"near #{kin[0].number}, of whose kind there are {given.kin_count}")
+        else:
             close.append(c)
     return close
 
 
-def _reflections(x: PreparedShape, ranked: list[Contender]) -> list[Contender]:
-    """Those contenders for a reflection of X that may be one, in the same order."""
-    alike = [c for c in ranked if c.likeness > _ALIKE] or ranked
+def settled(problem: MatchProblem, close: list[Contender]) -> list[Contender]:
+    """Contenders where they end, in order: registered, or guided by heat kernels from there if that costs less."""
+    given = problem.parameters
+    ends = registered(problem, [(c.number, c.dense.p2p) for c in close], given.coarse_to_fine)
+    again = registered(problem, [(c.number, c.dense.p2p) for c in ends], given.hks_guided)
+    best = [min(pair, key=lambda c: c.end_cost) for pair in zip(ends, again, strict=True)]
+    for c in best:
+        _note(problem, c, end_cost=c.end_cost)
+    return best
 
-    def in_place(c: Contender) -> bool:
-        whole = [o for o in alike if o is not c and o.cost < _AT_REST * c.cost and o.likeness > _MORE_ALIKE]
-        return any(leaves_limbs(x, c.result.p2p, o.result.p2p) for o in whole)
 
-    return [c for c in alike if not in_place(c)] or alike
+def _settled(problem: MatchProblem, ranked: list[Contender], apart: float) -> tuple[Contender, float, float]:
+    """The cheapest contender, how many times as much the next one ``apart`` from it costs, and its distortion."""
+    close = close_contenders(problem, ranked)
+    ends = settled(problem, close)
+    order = sorted(range(len(close)), key=lambda i: ends[i].end_cost)
+    best, preview = ends[order[0]], close[order[0]]
+    problem.log.choose(best.number)
+    # A rival that was taken further is compared there, the others as they were in the preview.
+    rivals = [(ends[i].end_cost / best.end_cost, ends[i]) for i in order[1:] if _gap(problem, ends[i], best) > apart]
+    others = [c for c in ranked if not any(c is t for t in close)]
+    rivals += [(c.cost / preview.cost, c) for c in others if _gap(problem, c, best) > apart]
+    margin, rival = min(rivals, key=lambda pair: pair[0], default=(np.inf, None))
+    return best, margin, rival.distortion if rival else np.inf
 
 
-def _turned(x: PreparedShape, y: PreparedShape, best: Contender) -> Contender:
+def _with_parts_turned(problem: MatchProblem, best: Contender) -> Contender:
     """The contender, or a cheaper one in which parts are turned."""
+    given = problem.parameters
     last = best
-    for _ in range(_TURNED):
-        ends = taken_further(x, y, turned_parts(x, y, last.result)[:_MOST_PARTS], TRIAL + SETTLING)
+    for _ in range(given.part_rounds):
+        maps = [(best.number, p2p) for p2p in turned_parts(problem, last.dense)[: given.part_count]]
+        ends = registered(problem, maps, given.preview + given.coarse_to_fine)
         # A part that was turned for nothing has turned back; of the others the one that fits best is gone on with.
-        ends = [c for c in ends if float(between(y, c.result.p2p, last.result.p2p).mean()) > _TURNED_BACK]
+        ends = [c for c in ends if _gap(problem, c, last) > given.part_turned_back]
         best = min(best, *ends, key=lambda c: c.cost) if ends else best
-        if not ends or ends[0].cost > _PATIENCE * best.cost:
+        if not ends or ends[0].cost > given.part_patience * best.cost:
             break
         last = ends[0]
     return best
+
+
+def _finished(problem: MatchProblem, best: Contender, margin: float, runner_up: float) -> Decision:
+    dense = register(problem, best.dense.p2p, Schedule.of(problem, problem.parameters.final))
+    return Decision(dense, best.distortion, margin, runner_up)
+
+
+def _differ(problem: MatchProblem, one: Candidate, other: Candidate) -> bool:
+    return are_different(landmark_lower_bound(problem.y, one.p2p, other.p2p), problem.parameters)
+
+
+def _gap(problem: MatchProblem, one: Contender, other: Contender) -> float:
+    """Mean distance between the images of two maps, in sqrt(area)."""
+    return float(landmark_lower_bound(problem.y, one.dense.p2p, other.dense.p2p).mean())
+
+
+def _note(problem: MatchProblem, c: Contender, **costs: float) -> None:
+    problem.log.note(
+        c.number, distortion=c.distortion, strain=c.strain, torn=c.torn, folded=c.folded,
+        hks_agreement=c.hks_agreement, curvature_agreement=c.curvature_agreement, **costs,
+    )  # fmt: skip

@@ -1,0 +1,262 @@
+"""Every number that a map depends on, in one place, each with where its value was measured.
+
+"Tuning" is TOSCA's cat, dog and centaur (remeshed poses, `benchmarks/matching.py`), "symmetry" their shapes
+(`benchmarks/symmetry.py`), "controls" the bodies with and without a left and right of
+`benchmarks/matching_controls.py`, "choice" `benchmarks/matching_choice.py`. Lengths are fractions of sqrt(area), areas
+and times of heat fractions of the area. `dataclasses.replace(MatchingParameters(), preview_count=6)` varies one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+from qgeo_filters.defaults import CURVATURE_WEIGHT
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One passage of the registration through the frequencies.
+
+    Attributes
+    ----------
+    sizes : tuple of int
+        Numbers of Laplacian eigenfunctions, increasing.
+    first, last : float
+        Length below which the deformed shape does not follow the map, at the first and last size.
+    normals : float
+        Weight of normals against positions.
+    iterations : int
+        Local-global iterations of the deformation for each matching.
+    full : int
+        Number of eigenfunctions from which on all vertices are matched, not only farthest points: fewer cannot tell
+        vertices apart. At the very end all are, always.
+    untwist : bool
+        Whether the deformation starts afresh from the low frequencies of the map, limbs shrunk to their axes, with
+        rotations of wide neighbourhoods: how a limb is turned about its axis then follows from the body that it
+        grows on, not from the map.
+    hks : float
+        Weight of the heat kernel signatures against positions: they tell the front of a head from its back, which
+        hardly strains the neck.
+    """
+
+    sizes: tuple[int, ...]
+    first: float
+    last: float
+    normals: float
+    iterations: int = 3
+    full: int = 1000
+    untwist: bool = False
+    hks: float = 0.0
+
+
+Stages = tuple[Stage, ...]
+
+_SIZES = (20, 30, 45, 65, 90, 120, 160, 200)
+#: Enough to tell which of several maps is right.
+PREVIEW: Stages = (Stage((20, 30, 45), 0.05, 0.035, 0.07, untwist=True),)
+#: From a previewed map to where its cost tells.
+COARSE_TO_FINE: Stages = (
+    Stage((20, 20, 30), 0.15, 0.08, 0.03, iterations=6, untwist=True),
+    Stage(_SIZES, 0.05, 0.02, 0.07),
+)
+#: The same, led by the heat kernels: right where a head had been turned about its axis, sometimes wrong elsewhere, so
+#: that the cost must decide.
+HKS_GUIDED: Stages = (replace(COARSE_TO_FINE[0], hks=0.5), COARSE_TO_FINE[1])
+#: From there to the end.
+FINAL: Stages = (Stage(_SIZES, 0.03, 0.015, 0.03, full=90),)
+
+
+@dataclass(frozen=True)
+class MatchingParameters:
+    """What `match` and `self_symmetry` go by; the defaults are what every figure of the README was measured with."""
+
+    # -- of one shape (`PreparedShape`); two shapes must have been prepared with the same --------------------
+    #: Weights of mean curvature in the metrics that propose maps: the surface's own and two lifted ones, whose
+    #: proposals differ (tuning). The last is that of the paper's functions.
+    curvature_weights: tuple[float, ...] = (0.0, 0.03, CURVATURE_WEIGHT)
+    #: Times of heat: a paw, a limb and a half of the shape (tuning).
+    hks_times: tuple[float, ...] = (0.003, 0.01, 0.03)
+    #: Time of heat over which mean curvature is smoothed: a breast, a muzzle (five tuning pairs, victoria).
+    curvature_time: float = 0.001
+    #: Curvatures beyond this, in 1 / sqrt(area), are those of fingers, ears and noise (as before).
+    curvature_limit: float = 30.0
+    #: Eigenfunctions of the distances and of the Laplacian: more did not help (tuning).
+    distance_functions: int = 100
+    laplacian_functions: int = 200
+    #: Residual of the last of them, relative; the first 20 come out as exact as float32 distances.
+    eigen_tolerance: float = 1e-3
+    #: Eigenfunctions that a result reports: the paper's k0.
+    spectrum_functions: int = 20
+    #: Farthest points; those whose distances to all vertices are kept (memory is this times n).
+    fps_count: int = 2000
+    fps_rows: int = 800
+    #: Fewest vertices of a shape: the search needs more points than eigenfunctions.
+    minimum_vertices: int = 60
+
+    # -- which maps are different ----------------------------------------------------------------------------
+    #: Mean distance between the images of two maps from which they are different (tuning) ...
+    different_mean: float = 0.04
+    #: ... or this distance in this share of the points, such as the tip of a limb (tuning).
+    different_limb: float = 0.2
+    different_share: float = 0.015
+    #: Maps that move points by less in the mean are the identity, or it with a limb displaced (symmetry).
+    near_identity: float = 0.1
+    #: Farthest points between which coarse maps are compared: enough for functions as smooth as the first 20.
+    coarse_points: int = 300
+
+    # -- sign search over the eigenfunctions of the distances ------------------------------------------------
+    #: Eigenfunctions whose signs are enumerated, and that a hypothesis is grown to (tuning).
+    signs_enumerated: int = 8
+    signs_grown: int = 20
+    #: Neighbouring eigenvalues closer than this, relatively, may come in either order (tuning).
+    swap_gap: float = 0.06
+    #: Hypotheses that are grown, that survive the checks, the sizes at which these are, and that are kept (tuning).
+    sign_beam: int = 256
+    sign_survivors: int = 24
+    sign_checks: tuple[int, ...] = (10, 13)
+    sign_hypotheses: int = 24
+
+    # -- matchings of the extrema of the average geodesic distance -------------------------------------------
+    #: An extremum exceeds all within this distance; at most so many take part (tuning).
+    extrema_radius: float = 0.1
+    extrema_count: int = 10
+    #: Matchings kept while one extremum after another is added, at the end, and as maps (tuning).
+    extrema_beam: int = 2000
+    extrema_matchings: int = 100
+    extrema_hypotheses: int = 6
+    #: Fewest matched extrema that tell points apart.
+    extrema_fewest: int = 4
+    #: Cost of leaving one unmatched, and the most that one pair of distances may cost (tuning).
+    extrema_unmatched: float = 0.24
+    extrema_worst: float = 0.5
+
+    # -- candidates ------------------------------------------------------------------------------------------
+    #: Maps that distort distances by more than this times the best are not worth growing (tuning).
+    candidate_ratio: float = 2.0
+    #: Distortion below which the next ones count as well: a shape that turns onto itself has many as good as the
+    #: identity, but for the rounding to farthest points (controls: sphere, torus, ellipsoid).
+    candidate_floor: float = 0.02
+    #: Added to the bounds on ratios of distortion, for maps that hardly distort.
+    ratio_slack: float = 0.01
+    #: Farthest points that candidates map, enough for smooth functions, and triangles that tell the orientation.
+    candidate_points: int = 800
+    candidate_triangles: int = 400
+    #: Maps whose orientation is nearer to 0 turn much of the surface over: the best right ones of sixteen tuning
+    #: pairs have .38 and more.
+    one_sided: float = 0.15
+    #: Y is the mirror image of something asymmetric if reversing maps distort less than this times the keeping ones.
+    mirror_image_ratio: float = 0.5
+
+    # -- spectral upsampling of candidates -------------------------------------------------------------------
+    #: Farthest points and step of the growth from 20 eigenfunctions of the distances on (tuning: as good as all).
+    zoomout_points: int = 800
+    zoomout_start: int = 20
+    zoomout_step: int = 10
+    #: Laplacian eigenfunctions that carry a matching of extrema to vertices (tuning).
+    laplacian_lift: int = 20
+
+    # -- registration (smooth shells) ------------------------------------------------------------------------
+    #: Best on the tuning categories (benchmarks/README.md, "Where the error of the cats comes from").
+    preview: Stages = PREVIEW
+    coarse_to_fine: Stages = COARSE_TO_FINE
+    hks_guided: Stages = HKS_GUIDED
+    final: Stages = FINAL
+    #: Matchings at each size, and iterations of the very first deformation (tuning).
+    matchings: int = 2
+    first_iterations: int = 8
+    #: How often rotations are averaged over neighbours at the first size: of a stage that untwists, of another.
+    wide_rotations: int = 30
+    narrow_rotations: int = 3
+    #: Farthest points that are matched before all vertices are.
+    registration_points: int = 1500
+
+    # -- which contenders are tried, and what they cost ------------------------------------------------------
+    #: Contenders that are previewed, and how much more than the best they may distort distances (tuning).
+    preview_count: int = 10
+    preview_ratio: float = 1.7
+    #: An edge is torn if its ends are mapped this many mean edges of X apart (tuning), and more than so many of Y,
+    #: which is what a right map onto a coarser Y may do (a sphere of 2562 vertices onto one of 162).
+    torn_edges: float = 3.0
+    torn_edges_of_y: float = 2.0
+    #: Shares of torn edges and folded triangles, strains, distortions and disagreements below these do not tell maps
+    #: apart: the noise of right maps (tuning).
+    least_torn: float = 1e-3
+    least_folded: float = 5e-4
+    least_strain: float = 1e-3
+    least_distortion: float = 1e-4
+    least_hks_gap: float = 5e-3
+    least_curvature_gap: float = 5e-3
+    #: Of the times of heat the last ones are compared: the first varies between poses (tuning).
+    hks_compared_from: int = 1
+
+    # -- the decision ----------------------------------------------------------------------------------------
+    #: Contenders that are registered to the end: at most so many, within this ratio of the least cost (choice) ...
+    close_count: int = 4
+    close_ratio: float = 6.0
+    #: ... and of those whose images are this near in the mean at most so many (choice).
+    kin_distance: float = 0.1
+    kin_count: int = 2
+
+    # -- reflections only ------------------------------------------------------------------------------------
+    #: Reflections that relate parts less alike than this, front to back, are none (symmetry).
+    reflection_alike: float = 0.9
+    #: A reflection that leaves limbs in place which another exchanges is none, unless that one costs this many times as
+    #: much or agrees less than this (symmetry: cat9, michael18).
+    fixed_limbs_cost: float = 30.0
+    fixed_limbs_alike: float = 0.96
+    #: Images this far apart are different; the least area where they are; there one map moves points by less than the
+    #: third, the other by more than the fourth; least share that the other takes to itself (symmetry).
+    limb_different: float = 0.2
+    limb_area: float = 0.02
+    limb_stays: float = 0.15
+    limb_goes: float = 0.3
+    limb_exchanged: float = 0.7
+    #: Rounds in which parts of the best reflection are turned, as long as it costs no more than this ratio of the least
+    #: cost, parts at a time, and the mean distance between images up to which a part has turned back (symmetry).
+    part_rounds: int = 3
+    part_patience: float = 1.5
+    part_count: int = 2
+    part_turned_back: float = 0.01
+    #: A part is what lies this near to an extremum; the map is bent around it, up to this many times that (symmetry).
+    part_radius: float = 0.2
+    part_reach: float = 1.5
+    #: Fewest vertices of a part, about as many as are aligned, iterations of closest points, weight of normals.
+    part_fewest: int = 20
+    part_aligned: int = 150
+    part_iterations: int = 12
+    part_normals: float = 0.1
+    #: Alignments that leave less than this of the misfit and move the part by more than this (symmetry).
+    part_better: float = 0.8
+    part_moved: float = 0.04
+
+    # -- what a result says ----------------------------------------------------------------------------------
+    #: Points to which distances are compared for the distortion.
+    probes: int = 200
+    #: The runner-up must cost this many times as much (tuning: right maps 1.29 and more; a sphere has many at 1).
+    margin: float = 1.3
+    #: Mean distortion up to which shapes are near-isometric (tuning .01 to .04; different animals .2).
+    near_isometric: float = 0.12
+    #: Agreement of heat kernels: poses of TOSCA have .96 to 1, different creatures .57 to .67.
+    match_alike: float = 0.9
+    #: A finished map whose orientation is below this did not settle on one side (tuning).
+    settled_orientation: float = 0.3
+    #: Ratio of areas up to which shapes count as of one size, for ``normalize=False``.
+    same_area: float = 1.1
+    #: Mean distance between images from which two reflections are different ones (symmetry).
+    reflection_apart: float = 0.1
+    #: Agreement of mirror points: posed animals have .96 to 1, random smooth blobs .91 to .96 under their best
+    #: reflection, but for those that are nearly symmetric (symmetry, controls).
+    symmetry_alike: float = 0.96
+    #: A pose that changes the surroundings changes distances, too: how much less than 1 the agreement may be, as a
+    #: multiple of the distortion (posed animals at most .5, the most alike blobs 1.4 and 1.6); or this (controls).
+    symmetry_gap: float = 1.0
+    symmetry_least_gap: float = 0.015
+
+    def of_shape(self) -> dict[str, object]:
+        """The parameters that a `PreparedShape` depends on, by name."""
+        return {name: getattr(self, name) for name in _OF_SHAPE}
+
+
+# The fields of the first section.
+_NAMES = tuple(field.name for field in fields(MatchingParameters))
+_OF_SHAPE = _NAMES[: _NAMES.index("different_mean")]

@@ -1,0 +1,81 @@
+"""A pair of shapes that is being matched, with all that a run goes by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from qgeo_filters.errors import ParameterError
+from qgeo_filters.matching.match_log import MatchLog
+from qgeo_filters.matching.parameters import MatchingParameters
+from qgeo_filters.matching.prepared_shape import PreparedShape, Shape
+
+
+@dataclass(frozen=True, eq=False)
+class MatchProblem:
+    """Maps are sought from X to Y.
+
+    Attributes
+    ----------
+    x, y : PreparedShape
+        Prepared with the same parameters.
+    parameters : MatchingParameters
+    log : MatchLog
+        What was proposed so far, and what became of it.
+    reflection : bool
+        Whether Y is X's image in a mirror, vertex by vertex, and the identity is no answer: a self-symmetry.
+    """
+
+    x: PreparedShape
+    y: PreparedShape
+    parameters: MatchingParameters = field(default_factory=MatchingParameters)
+    log: MatchLog = field(default_factory=MatchLog)
+    reflection: bool = False
+
+    @classmethod
+    def of(
+        cls, x: Shape, y: Shape, parameters: MatchingParameters | None = None, *, progress: bool = False
+    ) -> MatchProblem:
+        """Problem of two shapes, prepared already or not.
+
+        Parameters
+        ----------
+        x, y : Surface, whatever `as_surface` takes, or PreparedShape
+        parameters : MatchingParameters, optional
+            Those that a shape was prepared with, by default.
+
+        Raises
+        ------
+        ParameterError
+            Shapes that were prepared with different parameters: their distances, and so maps, cannot be compared.
+        """
+        chosen = parameters
+        for shape in (x, y):
+            if chosen is None and isinstance(shape, PreparedShape):
+                chosen = shape.parameters
+        if chosen is None:
+            chosen = MatchingParameters()
+        return cls(_prepared(x, "X", chosen, progress), _prepared(y, "Y", chosen, progress), chosen)
+
+    @classmethod
+    def of_reflection(
+        cls, x: Shape, parameters: MatchingParameters | None = None, *, progress: bool = False
+    ) -> MatchProblem:
+        """Problem of a shape and its own image in a mirror; parameters as in `of`."""
+        chosen = parameters or (x.parameters if isinstance(x, PreparedShape) else MatchingParameters())
+        shape = _prepared(x, "the shape", chosen, progress)
+        return cls(shape, shape.mirrored, chosen, reflection=True)
+
+    def with_mirrored_y(self) -> MatchProblem:
+        """The problem of X and the mirror image of Y: maps that reverse the orientation keep it there."""
+        return replace(self, y=self.y.mirrored)
+
+
+def _prepared(shape: Shape, name: str, parameters: MatchingParameters, progress: bool) -> PreparedShape:
+    prepared = PreparedShape.of(shape, parameters, progress=progress)
+    for key, value in prepared.parameters.of_shape().items():
+        if value != getattr(parameters, key):
+            raise ParameterError(
+                f"{name} was prepared with {key}={value!r}, but the match goes by {getattr(parameters, key)!r}: "
+                "prepare both shapes with the same parameters"
+            )
+    return prepared
