@@ -2,12 +2,12 @@
 
     python benchmarks/matching_choice.py ROOT --categories cat dog centaur
 
-ROOT as for ``matching.py``. For each pair, the contenders that `qg.match` takes further: what they cost on trial, and
-where they end (see `decided`). A rule chooses the one that costs least at the end, which is what `qg.match` does; the
-same without what the relief adds to the cost; on trial; or in the geometric mean of the last two. Where right maps
-(mean error below .1 sqrt(area)) and wrong ones compete: how many times as much the cheapest wrong one costs as the
-cheapest right one; below 1 the choice is wrong. The last columns are the error of the map that each rule chooses,
-before the last pass.
+ROOT as for ``matching.py``. For each pair, the contenders that `qg.match` takes further: what they cost in the preview,
+and where they end (see `choose_map`). A rule chooses the one that costs least at the end, which is what `qg.match`
+does; the same without what the smoothed curvature ("relief") adds to the cost; in the preview ("trial"); or in the
+geometric mean of the last two. Where right maps (mean error below .1 sqrt(area)) and wrong ones compete: how many times
+as much the cheapest wrong one costs as the cheapest right one; below 1 the choice is wrong. The last columns are the
+error of the map that each rule chooses, before the last stage.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
 from qgeo_filters.evaluation.datasets import PointMap
 from qgeo_filters.evaluation.runner import by_target
 from qgeo_filters.geodesics.matrix import distance_matrix
-from qgeo_filters.matching.correspondence import _competing
+from qgeo_filters.matching.correspondence import competing_candidates
 from qgeo_filters.matching.prepared_shape import PreparedShape
-from qgeo_filters.matching.selection.cost import contenders, settled
-from qgeo_filters.matching.selection.decision import _close
+from qgeo_filters.matching.problem import MatchProblem
+from qgeo_filters.matching.selection.decision import close_contenders, previewed, settled
 
 WRONG = 0.1
 RULES = ("end", "end without relief", "trial", "both")
@@ -74,15 +74,16 @@ def _contending(
     x: PreparedShape, y: PreparedShape, truth: PointMap, matrix: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Costs (c, 4) of the contenders by each rule, and their errors (c,)."""
-    pool, mirrored = _competing(x, y)
-    target = y.mirrored if mirrored else y
-    close = _close(target, contenders(x, target, pool))
-    ends = settled(x, target, [c.result.p2p for c in close])
-    x.rigidity.release()
+    problem = MatchProblem(x, y)
+    pool, mirrored = competing_candidates(problem)
+    problem = problem.with_mirrored_y() if mirrored else problem
+    close = close_contenders(problem, previewed(problem, pool))
+    ends = settled(problem, close)
+    x.arap.release()
     trial, plain, end = (
         np.array(costs) for costs in ([c.cost for c in close], [c.cost for c in ends], [c.end_cost for c in ends])
     )
-    errors = [geodesic_error(c.result.p2p[truth.points], truth.images, y.surface, matrix=matrix).mean() for c in ends]
+    errors = [geodesic_error(c.dense.p2p[truth.points], truth.images, y.surface, matrix=matrix).mean() for c in ends]
     return np.column_stack([end, plain, trial, np.sqrt(trial * plain)]), np.array(errors)
 
 

@@ -1,11 +1,11 @@
-"""Where the finish ends when it starts from the true map, as a Markdown table: its own share of the error of a match.
+"""Where the registration ends when it starts from the true map, as a Markdown table: its share of a match's error.
 
     python benchmarks/matching_from_truth.py ROOT --pairs cat4-cat7 cat9-cat7 dog0-dog3
 
-ROOT as for ``matching.py``. Columns: the finish of `qg.match`, from the true map; the same without starting afresh
-from low frequencies (`Pass.untwist`), so that it stays near the truth; ZoomOut of the Laplacian's eigenfunctions, 20 to
-200, from the true map. Mean error in units of sqrt(area), and strain of the deformation: where the first column has the
-lower strain and the larger error, the truth is not the deformation that strains least.
+ROOT as for ``matching.py``. Columns: the registration of `qg.match`, from the true map; the same without starting
+afresh from low frequencies (`Stage.untwist`), so that it stays near the truth; ZoomOut of the Laplacian's
+eigenfunctions, 20 to 200, from the true map. Mean error in units of sqrt(area), and strain of the deformation: where
+the first column has the lower strain and the larger error, the truth is not the deformation that strains least.
 """
 
 from __future__ import annotations
@@ -17,9 +17,12 @@ from geodesics_common import machine
 
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
 from qgeo_filters.evaluation.datasets import PointMap
-from qgeo_filters.matching.maps.functional_map import nearest, upsampled
+from qgeo_filters.matching.maps.functional_map import nearest_neighbors, zoomout
+from qgeo_filters.matching.parameters import COARSE_TO_FINE, FINAL
 from qgeo_filters.matching.prepared_shape import PreparedShape
-from qgeo_filters.matching.smooth_shells import ENDING, SETTLING, finished
+from qgeo_filters.matching.problem import MatchProblem
+from qgeo_filters.matching.schedule import Schedule
+from qgeo_filters.matching.smooth_shells import register
 
 PAIRS = [
     "cat4-cat7", "cat9-cat7", "cat7-cat1", "cat4-cat9", "cat1-cat9", "cat6-cat10", "cat0-cat9", "cat2-cat7",
@@ -30,8 +33,8 @@ SIZES = (20, 30, 45, 65, 90, 120, 160, 200)
 
 def zoomed_out(x: PreparedShape, y: PreparedShape, p2p: np.ndarray) -> np.ndarray:
     """ZoomOut (spectral upsampling) of a map between all vertices."""
-    functional = upsampled(x.laplacian, y.laplacian, p2p, np.arange(x.n_vertices), SIZES)
-    return nearest(x.laplacian @ functional, y.laplacian)
+    functional = zoomout(x.laplacian, y.laplacian, p2p, np.arange(x.n_vertices), SIZES)
+    return nearest_neighbors(x.laplacian @ functional, y.laplacian)
 
 
 def main() -> None:
@@ -42,19 +45,20 @@ def main() -> None:
     arguments = parser.parse_args()
     data = ToscaRemeshed(arguments.root)
     print(f"{machine()}\n")
-    print("| pair | finish: error, strain | without the start afresh: error, strain | ZoomOut: error |")
+    print("| pair | registration: error, strain | without the start afresh: error, strain | ZoomOut: error |")
     print("| --- | ---: | ---: | ---: |")
     rows = []
     for pair in arguments.pairs:
-        x, y = (PreparedShape(data.read(name)) for name in pair.split("-"))
+        problem = MatchProblem.of(*(data.read(name) for name in pair.split("-")))
+        x, y = problem.x, problem.y
         truth = data.truth(*pair.split("-"))
         start = np.zeros(x.n_vertices, dtype=np.int64)
         start[truth.points] = truth.images
 
         values = []
-        for passes in (SETTLING + ENDING, SETTLING[1:] + ENDING):
-            result = finished(x, y, start, passes)
-            values += [_error(result.p2p, truth, y), x.rigidity.strain(result.positions)]
+        for stages in (COARSE_TO_FINE + FINAL, COARSE_TO_FINE[1:] + FINAL):
+            result = register(problem, start, Schedule.of(problem, stages))
+            values += [_error(result.p2p, truth, y), x.arap.energy(result.positions)]
         rows.append([*values, _error(zoomed_out(x, y, start), truth, y)])
         print(_line(pair, rows[-1]), flush=True)
     print(_line("mean", np.mean(rows, axis=0)))

@@ -18,7 +18,7 @@ from qgeo_filters.atomic import atomic_path
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.matching.compatibility import compatibility_of_spectra
-from qgeo_filters.matching.maps.functional_map import nearest
+from qgeo_filters.matching.maps.functional_map import nearest_neighbors
 from qgeo_filters.matching.regions import eigenfunction_regions
 from qgeo_filters.matching.symmetry_measure import Reading, symmetry_regions
 from qgeo_filters.report.charts import plot_distance_matrix
@@ -115,7 +115,7 @@ def sixth_figure(study: Study) -> Part:
         carried = {}
         for method in methods:
             if method.reading:
-                back = nearest(*paired(study, x, y, method)[::-1])
+                back = nearest_neighbors(*paired(study, x, y, method)[::-1])
             else:
                 back = _back(study, y, mapped(study, x, y, method)["p2p"])
             carried[method] = regions_x[back]

@@ -25,7 +25,7 @@ from paper_study import FUNCTIONS, Arrays, Claim, Part, Study, metric_label
 
 from qgeo_filters.evaluation import error_curve, symmetric_errors
 from qgeo_filters.evaluation.runner import PairFailure, measured
-from qgeo_filters.matching.maps.functional_map import nearest
+from qgeo_filters.matching.maps.functional_map import nearest_neighbors
 from qgeo_filters.report.html import Table
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
 
@@ -100,7 +100,7 @@ def mapped(study: Study, x: str, y: str, method: Method) -> Arrays:
         return _in_full(study, [(x, y)])[0]
 
     def compute() -> Arrays:
-        p2p = nearest(*paired(study, x, y, method))
+        p2p = nearest_neighbors(*paired(study, x, y, method))
         matrix = study.distances(y)
         errors = symmetric_errors(p2p, study.truth(x, y), study.mirror(y), study.surface(y), matrix=matrix)
         direct, reflected = (values.astype(np.float32) for values in (errors.direct, errors.reflected))

@@ -45,11 +45,12 @@ FLOORS: list[list[str]] = [
     ["spectral"],
     ["deformation"],
     # matching, in the order of a run
-    ["matching.parameters", "matching.concurrency"],
+    ["matching.parameters", "matching.match_log"],
     ["matching.prepared_shape"],
     ["matching.problem"],
     ["matching.maps"],
     ["matching.initialization"],
+    ["matching.schedule"],
     ["matching.smooth_shells"],
     ["matching.selection"],
     ["matching"],
@@ -64,17 +65,10 @@ FLOORS: list[list[str]] = [
 ]
 
 # (importer, imported): who mends it
-KNOWN_ARROWS_UP = {
-    ("matching.initialization.candidates", "matching.smooth_shells"): "matching",
-}
-KNOWN_CIRCLES = {}
+KNOWN_ARROWS_UP: dict[tuple[str, str], str] = {}
+KNOWN_CIRCLES: dict[tuple[str, str], str] = {}
 # file of tests or benchmarks, name: who mends it
-KNOWN_LOANS = {
-    ("benchmarks/matching_choice.py", "_close"): "matching",
-    ("benchmarks/matching_choice.py", "_competing"): "matching",
-    ("tests/matching/test_candidates.py", "_ONE_SIDED"): "matching",
-    ("tests/matching/test_candidates.py", "_twin"): "matching",
-}
+KNOWN_LOANS: dict[tuple[str, str], str] = {}
 # Names that begin with an underscore and are public all the same.
 PUBLIC_UNDERSCORES = {
     "_replace",  # of every NamedTuple

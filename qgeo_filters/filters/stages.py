@@ -108,7 +108,9 @@ def prepared_shape_of(surface: Surface, progress: bool = False, workers: int | N
     """The surface prepared for matching, see `PreparedShape`; it shares its distances with the other stages."""
     key = content_key("prepared_shape", surface.vertices, surface.faces, MatchingParameters())
     matrix = partial(matrix_of, method="graph", accuracy=1e-3, progress=progress)
-    return _kept(key, lambda: PreparedShape(surface, parameters=MatchingParameters(), matrix=matrix).prepare(), workers=workers)
+    return _kept(
+        key, lambda: PreparedShape(surface, parameters=MatchingParameters(), matrix=matrix).prepare(), workers=workers
+    )
 
 
 def symmetry_of(surface: Surface, progress: bool = False, workers: int | None = None) -> Symmetry:

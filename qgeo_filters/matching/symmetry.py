@@ -9,7 +9,6 @@ import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
-from qgeo_filters.hosts.dispatch import SurfaceLike
 from qgeo_filters.matching.initialization.candidates import candidates
 from qgeo_filters.matching.maps.functional_map import nearest_neighbors
 from qgeo_filters.matching.maps.involution import optimal_involution
