@@ -26,7 +26,7 @@ def arap() -> ArapSolver:
 
 def moved(seed: int = 0) -> np.ndarray:
     turn = Rotation.from_rotvec(np.random.default_rng(seed).normal(size=3))
-    return turn.apply(VERTICES) + np.array([1.0, -2.0, 3.0])
+    return turn.apply(np.array(VERTICES)) + np.array([1.0, -2.0, 3.0])
 
 
 def test_a_rigid_motion_has_no_strain_and_a_reflection_has(arap: ArapSolver) -> None:
