@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from qgeo_filters.deformation.arap_sums import covariances, strain, turned
-from qgeo_filters.deformation.fit_rotations import nearest_rotations
+from qgeo_filters.deformation.arap_sums import covariances, rotated_edge_sums, rotation_misfit
+from qgeo_filters.deformation.fit_rotations import fit_rotations
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
 from qgeo_filters.geodesics.path.paths import quasi_geodesic
-from qgeo_filters.matching.initialization.distortion import point_distortions
+from qgeo_filters.matching.maps.map_distance import coarse_distortions
 from qgeo_filters.report.raster import rasterize
 from qgeo_filters.surface import Surface
 
@@ -49,8 +49,8 @@ def _matching() -> None:
     half_edges = np.array([0, 1, 2]), np.array([1, 0]), np.ones(2), np.array([[1.0, 0, 0], [-1.0, 0, 0]])
     positions = np.array([[1.0, 0, 0], [0.0, 0, 0]])
     for order in (positions, np.asfortranarray(positions)):  # of a surface, and as a solver returns them
-        rotations = nearest_rotations(covariances(*half_edges, order))
-    turned(*half_edges, rotations)
-    strain(*half_edges, rotations, np.asfortranarray(positions))
+        rotations = fit_rotations(covariances(*half_edges, order))
+    rotated_edge_sums(*half_edges, rotations)
+    rotation_misfit(*half_edges, rotations, np.asfortranarray(positions))
     near = np.zeros((2, 2), np.float32)
-    point_distortions(near, near, np.zeros((1, 2), np.int64))
+    coarse_distortions(near, near, np.zeros((1, 2), np.int64))
