@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters._typing import FloatArray, IndexArray, IntArray
 from qgeo_filters.geodesics.metric import IntrinsicMesh
 
 # Slack of the tests "angle at least 2 pi" (inside) and "at least pi" (boundary), radians. Taking too many
@@ -119,3 +119,34 @@ def unfolded(mesh: IntrinsicMesh) -> UnfoldedMesh:
     bends[faces[collapsed]] = True
     bends[np.roll(faces, -1, axis=1)[collapsed]] = True
     return UnfoldedMesh(sides, angles, boundary, bends, *corners_around(mesh))
+
+
+class UnfoldedSides(NamedTuple):
+    """The same as `UnfoldedMesh`, as short flat arrays: of these the graph's kernel needs few at a time.
+
+    With a side on the x axis, its start at the origin, the third vertex of its triangle lies at
+    ``(apex_x, apex_y)``, ``apex_y >= 0``.
+    """
+
+    start: IntArray  # (3m,) first vertex of each side
+    length: FloatArray  # (3m,)
+    apex_x: FloatArray  # (3m,)
+    apex_y: FloatArray  # (3m,)
+    twin: IntArray  # (3m,) side across, -1 on the boundary
+    corner_start: IntArray  # (n + 1,) corners of vertex v are corners[corner_start[v] : corner_start[v + 1]]
+    corners: IntArray  # (3m,) each names its vertex by the side that starts there
+
+
+def unfolded_sides(mesh: IntrinsicMesh) -> UnfoldedSides:
+    """Planar layout of every triangle from each of its sides."""
+    apex = apexes(mesh.lengths)
+    corner_start, corners = corners_around(mesh)
+    return UnfoldedSides(
+        np.ascontiguousarray(mesh.faces, dtype=np.int32).ravel(),
+        np.ascontiguousarray(mesh.lengths, dtype=np.float64).ravel(),
+        apex[..., 0].ravel(),
+        apex[..., 2].ravel(),
+        np.ascontiguousarray(mesh.twins, dtype=np.int32).ravel(),
+        corner_start.astype(np.int32),
+        corners.astype(np.int32),
+    )

@@ -10,6 +10,9 @@ from qgeo_filters import Surface
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import lifted_metric
 
+# What the documentation promises of the graph, see `test_weight_zero`; measured: mean errors up to 6.7e-5.
+ROUNDING, ACCURACY, MEAN = 1e-9, 1e-3, 1.5e-4
+
 SCALARS = {
     "wave": lambda x, y: np.sin(7 * x) * np.cos(5 * y),
     "bump": lambda x, y: np.exp(-20 * ((x - 0.4) ** 2 + (y - 0.5) ** 2)),
@@ -49,9 +52,9 @@ def test_graph_distance_is_near_that_of_the_lift(lifted, weight):
     graph = distances(flat, sources, metric, method="graph")
     apart = exact > 0
     error = graph[apart] / exact[apart] - 1
-    assert error.min() > -1e-6
-    assert error.mean() < 5e-4
-    assert error.max() < 5e-3
+    assert error.min() > -ROUNDING
+    assert error.mean() < MEAN
+    assert error.max() <= ACCURACY
 
 
 def test_weight_makes_nothing_nearer(lifted):

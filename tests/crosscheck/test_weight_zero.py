@@ -8,6 +8,10 @@ from qgeo_filters.geodesics.matrix import distances
 
 # Both peers carry rounding of their own; pygeodesic also joins intervals shorter than 1e-6 of an edge.
 PEERS_ROUNDING = 1e-9
+# What the documentation promises of the graph: never below the exact distance, of which both are rounded (measured:
+# +2e-14 and up), never above it by more than the accuracy, 1e-3 by default, and on average by about a tenth of that
+# (measured: up to 1.04e-4).
+ROUNDING, ACCURACY, MEAN = 1e-9, 1e-3, 1.5e-4
 
 
 def test_exact_on_all_kinds_of_surfaces(surface, foreign_exact):
@@ -37,19 +41,20 @@ def relative_error(surface, sources, **options):
 
 def test_graph_on_all_kinds_of_surfaces(surface):
     error = relative_error(surface, np.arange(0, surface.n_vertices, 7))
-    assert error.min() > -1e-6
-    assert error.mean() < 5e-4
-    assert error.max() < 5e-3
+    assert error.min() > -ROUNDING
+    assert error.mean() < MEAN
+    assert error.max() <= ACCURACY
 
 
 def test_graph_on_the_cow(cow):
     error = relative_error(cow, np.arange(0, cow.n_vertices, 97))
-    assert error.min() > -1e-6
-    assert error.mean() < 5e-4
+    assert error.min() > -ROUNDING
+    assert error.mean() < MEAN
+    assert error.max() <= ACCURACY
 
 
-def test_graph_on_tosca_is_within_a_twentieth_of_a_per_cent(tosca):
+def test_graph_on_tosca(tosca):
     error = relative_error(tosca, np.arange(0, tosca.n_vertices, 97))
-    assert error.min() > -1e-6
-    assert error.mean() < 5e-4
-    assert error.max() < 5e-3
+    assert error.min() > -ROUNDING
+    assert error.mean() < MEAN
+    assert error.max() <= ACCURACY

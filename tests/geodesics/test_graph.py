@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
 from qgeo_filters.errors import MeshError, NonManifoldError
-from qgeo_filters.geodesics.dgg.construction import look_from
+from qgeo_filters.geodesics.dgg.construction import direct_geodesics_from
 from qgeo_filters.geodesics.dgg.graph import geodesic_graph
-from qgeo_filters.geodesics.layout import layout_of
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
 from qgeo_filters.geodesics.metric import cartesian_metric
+from qgeo_filters.geodesics.unfolding import unfolded_sides
 from qgeo_filters.surface import Surface
 
 BELOW = -1e-9  # pygeodesic's own rounding; the graph's lengths are rounded up
@@ -63,7 +63,9 @@ def test_every_edge_of_the_graph_against_exact_distances(name: str) -> None:
     vertices, faces = MANIFOLDS[name]()
     surface = Surface(vertices, faces)
     sources = np.arange(0, len(vertices), 10, dtype=np.int32)
-    counts, ends, lengths = look_from(*layout_of(cartesian_metric(surface).intrinsic()), sources, 1e-3, np.inf)
+    counts, ends, lengths = direct_geodesics_from(
+        *unfolded_sides(cartesian_metric(surface).intrinsic()), sources, 1e-3, np.inf
+    )
     exact = exact_rows(vertices, faces, sources)[np.repeat(np.arange(len(sources)), counts), ends]
     excess = relative_error(lengths, exact)
     assert excess.min() > -1e-9
@@ -75,8 +77,8 @@ def test_edges_cover_all_directions() -> None:
     vertices, faces = shapes.terrain(500, 2)
     surface = Surface(vertices, faces)
     epsilon = 1e-3
-    counts, ends, lengths = look_from(
-        *layout_of(cartesian_metric(surface).intrinsic()), np.arange(500, dtype=np.int32), epsilon, np.inf
+    counts, ends, lengths = direct_geodesics_from(
+        *unfolded_sides(cartesian_metric(surface).intrinsic()), np.arange(500, dtype=np.int32), epsilon, np.inf
     )
     straight = np.linalg.norm(vertices[:, None] - vertices[None], axis=2)
     start = np.concatenate([[0], np.cumsum(counts)])
@@ -243,22 +245,22 @@ def test_graph_is_kept_and_let_go() -> None:
 def test_lengths_are_whole_ticks() -> None:
     """Sums of whole numbers are exact: this is why the matrix is symmetric, whatever the order of the sums."""
     vertices, faces = shapes.grid(8, jitter=0.3)
-    ticks = geodesic_graph(cartesian_metric(Surface(vertices, faces)).intrinsic()).ticks
-    assert ticks.length.dtype == np.uint32
-    assert ticks.near.size == 0
+    fixed = geodesic_graph(cartesian_metric(Surface(vertices, faces)).intrinsic()).fixed
+    assert fixed.length.dtype == np.uint32
+    assert fixed.near.size == 0
 
     few = vertices.copy()  # one short edge: 32 bits, and its neighbourhood apart
     few[40] = few[41] + [1e-8, 0, 0]
     graph = geodesic_graph(cartesian_metric(Surface(few, faces)).intrinsic())
-    assert graph.ticks.length.dtype == np.uint32
-    assert sorted(graph.vertex[graph.ticks.near].tolist()) == [40, 41]
+    assert graph.fixed.length.dtype == np.uint32
+    assert sorted(graph.vertex[graph.fixed.near].tolist()) == [40, 41]
     assert np.allclose(distances(Surface(few, faces), [40])[0, 41], 1e-8, rtol=1e-12)
 
     many = 1e-9 * vertices  # nearly all are: float64
     many[-1] = 1
-    ticks = geodesic_graph(cartesian_metric(Surface(many, faces)).intrinsic()).ticks
-    assert ticks.length.dtype == np.float64
-    assert np.array_equal(ticks.length, np.round(ticks.length))
+    fixed = geodesic_graph(cartesian_metric(Surface(many, faces)).intrinsic()).fixed
+    assert fixed.length.dtype == np.float64
+    assert np.array_equal(fixed.length, np.round(fixed.length))
     for each in (few, many):
         matrix = distance_matrix(Surface(each, faces))
         assert np.array_equal(matrix, matrix.T)

@@ -1,4 +1,4 @@
-"""The order in which vertices are swept: by bands of distance from the sources, in a compact order within each."""
+"""The order in which vertices are taken: by buckets of distance from the sources, in a compact order within each."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from qgeo_filters.jit import njit
 
 
 @njit()
-def band_order(start, neighbour, length, width, sources, order, distance, settled, head, following):  # type: ignore[no-untyped-def]  # fmt: skip
+def bucket_order(start, neighbour, length, width, sources, order, distance, settled, head, following):  # type: ignore[no-untyped-def]  # fmt: skip
     """Put the vertices that paths from the sources reach into ``order``; their number.
 
     Distances are along mesh edges from the nearest source (measured: fewer pulls than by the distance from
-    the middle of the sources), in buckets of the given width. Counting sort keeps the vertices of a band in
+    the middle of the sources), in buckets of the given width. Counting sort keeps the vertices of a bucket in
     the order of their numbers, that is, close to each other in memory.
     """
-    bands = len(head) - 1
+    n_buckets = len(head) - 1
     _bucket_dijkstra(start, neighbour, length, width, sources, distance, settled, head, following)
     head[:] = 0
     for v in range(len(order)):
         if settled[v]:
-            head[min(int(distance[v] / width), bands - 1) + 1] += 1
-    for b in range(bands):
+            head[min(int(distance[v] / width), n_buckets - 1) + 1] += 1
+    for b in range(n_buckets):
         head[b + 1] += head[b]
-    count = head[bands]
+    count = head[n_buckets]
     for v in range(len(order)):
         if settled[v]:
-            b = min(int(distance[v] / width), bands - 1)
+            b = min(int(distance[v] / width), n_buckets - 1)
             order[head[b]] = v
             head[b] += 1
     return count
@@ -39,14 +39,14 @@ def _bucket_dijkstra(start, neighbour, length, width, sources, distance, settled
     A bucket is a chain of directed edges, ``head[b]``, ``following[head[b]]``, ..., that reach its vertices. A
     vertex that was brought nearer stands in several buckets, and counts in the first.
     """
-    bands = len(head) - 1
+    n_buckets = len(head) - 1
     head[:] = -1
     distance[:] = np.inf
     settled[:] = False
     for source in sources:
         distance[source] = 0.0
     begun = bucket = 0
-    while bucket < bands:
+    while bucket < n_buckets:
         if begun < len(sources):
             v = sources[begun]
             begun += 1
@@ -63,6 +63,6 @@ def _bucket_dijkstra(start, neighbour, length, width, sources, distance, settled
             w, d = neighbour[e], distance[v] + length[e]
             if d < distance[w] and not settled[w]:
                 distance[w] = d
-                b = min(int(d / width), bands - 1)
+                b = min(int(d / width), n_buckets - 1)
                 following[e] = head[b]
                 head[b] = e

@@ -24,28 +24,28 @@ import numpy as np
 from qgeo_filters.jit import njit
 
 # Columns of a window: left and right end of the side, left and right end of the part still seen, and on
-# either hand the vertex p that covers: its position, and d(v, p) - eps * hop, called near.
+# either hand the vertex p that covers: its position, and d(v, p) - eps * hop, its covering bound.
 WIDTH = 14
 
 
 @njit(error_model="numpy")
-def covered_length(x, y, dx, dy, span, px, py, near):  # type: ignore[no-untyped-def]
-    """How far from (x, y) along the unit vector (dx, dy), up to span, |z| - |z - p| >= near holds."""
+def covered_length(x, y, dx, dy, span, px, py, bound):  # type: ignore[no-untyped-def]
+    """How far from (x, y) along the unit vector (dx, dy), up to span, |z| - |z - p| >= bound holds."""
     rr = px * px + py * py
-    if rr <= 0.0 or near == np.inf:
+    if rr <= 0.0 or bound == np.inf:
         return 0.0
-    shift = 0.5 * (rr - near * near)
+    shift = 0.5 * (rr - bound * bound)
     ex, ey = x + span * dx, y + span * dy
-    if near * np.sqrt(ex * ex + ey * ey) <= ex * px + ey * py - shift:
+    if bound * np.sqrt(ex * ex + ey * ey) <= ex * px + ey * py - shift:
         return span
-    # The border: near |z| = <z, p> - shift on z = (x, y) + t (dx, dy), a quadratic in t.
+    # The border: bound |z| = <z, p> - shift on z = (x, y) + t (dx, dy), a quadratic in t.
     at_start = x * px + y * py - shift
-    c = near * near * (x * x + y * y) - at_start * at_start
+    c = bound * bound * (x * x + y * y) - at_start * at_start
     if at_start <= 0.0 or c >= 0.0:
         return 0.0
     slope = dx * px + dy * py
-    b = near * near * (x * dx + y * dy) - at_start * slope
-    a = near * near - slope * slope
+    b = bound * bound * (x * dx + y * dy) - at_start * slope
+    a = bound * bound - slope * slope
     root = np.sqrt(max(b * b - a * c, 0.0))
     # c < 0: the numerically stable form of the first root after the start.
     t = -c / (b + root) if b >= 0.0 else (root - b) / a
@@ -68,7 +68,7 @@ def seen_part(lx, ly, dx, dy, span, left_ray, right_ray, p, q):  # type: ignore[
 
 
 @njit(error_model="numpy")
-def look_around(start, length, apex_x, apex_y, twin, corners, epsilon, queue, sides, near, direct, found):  # type: ignore[no-untyped-def]  # fmt: skip
+def seed_one_ring(start, length, apex_x, apex_y, twin, corners, epsilon, queue, sides, bound, direct, found):  # type: ignore[no-untyped-def]  # fmt: skip
     """Edges to the neighbours of the vertex of these corners, and its first windows; how many of either."""
     count = tail = 0
     for i in range(2 * len(corners)):
@@ -82,7 +82,7 @@ def look_around(start, length, apex_x, apex_y, twin, corners, epsilon, queue, si
         if length[h] < direct[neighbour]:
             direct[neighbour] = length[h]
             if length[h] > 0.0:  # a vertex in the same place covers nothing: each would leave it to the other
-                near[neighbour] = (1.0 - epsilon) * length[h]
+                bound[neighbour] = (1.0 - epsilon) * length[h]
     for c in corners:
         f = c - c % 3
         opposite, last = f + (c + 1) % 3, f + (c + 2) % 3
@@ -93,24 +93,26 @@ def look_around(start, length, apex_x, apex_y, twin, corners, epsilon, queue, si
             queue[tail, 1] = queue[tail, 5] = queue[tail, 9] = apex_y[c]
             queue[tail, 2] = queue[tail, 6] = queue[tail, 11] = length[c]
             queue[tail, 3] = queue[tail, 7] = queue[tail, 12] = 0.0
-            queue[tail, 10], queue[tail, 13] = near[b], near[a]
+            queue[tail, 10], queue[tail, 13] = bound[b], bound[a]
             tail += 1
     return count, tail
 
 
 @njit(error_model="numpy")
-def look(start, length, apex_x, apex_y, twin, corners, epsilon, limit, queue, sides, near, direct, found, met):  # type: ignore[no-untyped-def]  # fmt: skip
+def direct_geodesics(start, length, apex_x, apex_y, twin, corners, epsilon, limit, queue, sides, bound, direct, found, bounded):  # type: ignore[no-untyped-def]  # noqa: E501  # fmt: skip
     """Edges of the discrete geodesic graph out of the vertex of these corners.
 
     Returns
     -------
     number of edges
         Their ends are in ``found``, their lengths in ``direct``.
-    number of vertices met otherwise
-        In ``met``; with those of ``found`` they are the ones for which ``near`` was set.
+    number of vertices bounded otherwise
+        In ``bounded``; with those of ``found`` they are the ones whose ``bound`` was set.
     whether the queue was long enough
     """
-    count, tail = look_around(start, length, apex_x, apex_y, twin, corners, epsilon, queue, sides, near, direct, found)
+    count, tail = seed_one_ring(
+        start, length, apex_x, apex_y, twin, corners, epsilon, queue, sides, bound, direct, found
+    )
     head = others = 0
     mask = len(sides) - 1  # the queue is a ring, its size a power of two
     while head < tail and tail - head < mask:
@@ -139,19 +141,19 @@ def look(start, length, apex_x, apex_y, twin, corners, epsilon, limit, queue, si
             distance = np.sqrt(cx * cx + cy * cy)
             over_p = p[2] + np.sqrt((cx - p[0]) * (cx - p[0]) + (cy - p[1]) * (cy - p[1]))
             over_q = q[2] + np.sqrt((cx - q[0]) * (cx - q[0]) + (cy - q[1]) * (cy - q[1]))
-            new = direct[apex] == np.inf and near[apex] == np.inf
-            if distance < direct[apex] and (direct[apex] < np.inf or min(over_p, over_q, near[apex]) > distance):
+            new = direct[apex] == np.inf and bound[apex] == np.inf
+            if distance < direct[apex] and (direct[apex] < np.inf or min(over_p, over_q, bound[apex]) > distance):
                 if direct[apex] == np.inf:
                     found[count] = apex
                     count += 1
                 direct[apex] = distance
-                near[apex] = min(near[apex], (1.0 - epsilon) * distance)
+                bound[apex] = min(bound[apex], (1.0 - epsilon) * distance)
             else:
-                near[apex] = min(near[apex], over_p, over_q)
+                bound[apex] = min(bound[apex], over_p, over_q)
             if new and direct[apex] == np.inf:
-                met[others] = apex
+                bounded[others] = apex
                 others += 1
-            c = (cx, cy, near[apex])
+            c = (cx, cy, bound[apex])
             left_end = right_end = (cx, cy)
             left_q = q if over_q <= distance < direct[apex] else c
             right_p = p if over_p <= distance < direct[apex] else c
@@ -181,8 +183,8 @@ def look(start, length, apex_x, apex_y, twin, corners, epsilon, limit, queue, si
             to_first, to_last = np.sqrt(fx * fx + fy * fy), np.sqrt(ex * ex + ey * ey)
             # An end of the side covers all of it if it covers the far end: |z| falls no faster than |z - end|.
             if (
-                to_last - last >= near[left_vertex]
-                or to_first - (span - first) >= near[right_vertex]
+                to_last - last >= bound[left_vertex]
+                or to_first - (span - first) >= bound[right_vertex]
                 or min(to_first, to_last) > limit + span
             ):
                 continue
@@ -197,21 +199,21 @@ def look(start, length, apex_x, apex_y, twin, corners, epsilon, limit, queue, si
 
 
 @njit()
-def look_from(start, length, apex_x, apex_y, twin, corner_start, corners, vertices, epsilon, limit):  # type: ignore[no-untyped-def]  # fmt: skip
+def direct_geodesics_from(start, length, apex_x, apex_y, twin, corner_start, corners, vertices, epsilon, limit):  # type: ignore[no-untyped-def]  # fmt: skip
     """Edges of the graph out of some vertices: how many each, their ends and lengths."""
     n = len(corner_start) - 1
-    near, direct = np.full(n, np.inf), np.full(n, np.inf)
-    found, met = np.empty(n, np.int32), np.empty(n, np.int32)
+    bound, direct = np.full(n, np.inf), np.full(n, np.inf)
+    found, bounded = np.empty(n, np.int32), np.empty(n, np.int32)
     queue, sides = np.empty((512, WIDTH)), np.empty(512, np.int64)
     counts = np.zeros(len(vertices), np.int64)
     ends, lengths = np.empty(64 * len(vertices), np.int32), np.empty(64 * len(vertices))
     total = i = 0
     while i < len(vertices):
         v = vertices[i]
-        near[v] = direct[v] = 0.0
-        count, others, complete = look(
+        bound[v] = direct[v] = 0.0
+        count, others, complete = direct_geodesics(
             start, length, apex_x, apex_y, twin, corners[corner_start[v] : corner_start[v + 1]],
-            epsilon, limit, queue, sides, near, direct, found, met,
+            epsilon, limit, queue, sides, bound, direct, found, bounded,
         )  # fmt: skip
         if total + count > len(ends):
             more, longer = np.empty(2 * (total + count), np.int32), np.empty(2 * (total + count))
@@ -220,10 +222,10 @@ def look_from(start, length, apex_x, apex_y, twin, corner_start, corners, vertic
         for k in range(count):
             q = found[k]
             ends[total + k], lengths[total + k] = q, direct[q]
-            near[q] = direct[q] = np.inf
+            bound[q] = direct[q] = np.inf
         for k in range(others):
-            near[met[k]] = np.inf
-        near[v] = direct[v] = np.inf
+            bound[bounded[k]] = np.inf
+        bound[v] = direct[v] = np.inf
         if complete:
             counts[i] = count
             total += count

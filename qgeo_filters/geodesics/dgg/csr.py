@@ -6,7 +6,7 @@ import numpy as np
 
 from qgeo_filters.jit import njit
 
-Rows = tuple[np.ndarray, np.ndarray, np.ndarray]  # start (n + 1,), column (g,), value (g,)
+Csr = tuple[np.ndarray, np.ndarray, np.ndarray]  # start (n + 1,), column (g,), value (g,)
 
 
 @njit()
@@ -55,7 +55,7 @@ def merged(start_a, column_a, value_a, start_b, column_b, value_b):  # type: ign
     return start, column, value
 
 
-def undirected(start: np.ndarray, column: np.ndarray, value: np.ndarray) -> Rows:
+def undirected(start: np.ndarray, column: np.ndarray, value: np.ndarray) -> Csr:
     """Matrix united with its transpose, in compressed and sorted rows, the smaller value where they differ."""
     back = transposed(start, column, value)
     return merged(*transposed(*back), *back)

@@ -8,53 +8,55 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IntArray
-from qgeo_filters.geodesics.dgg.csr import Rows, undirected
+from qgeo_filters.geodesics.dgg.csr import Csr, undirected
 from qgeo_filters.jit import njit
 
-# Of the accuracy, the share by which one tick may lengthen an edge, and three times that a path.
+# Of the accuracy, the share by which one unit may lengthen an edge, and three times that a path.
 ROUNDING = 0.01
-# Near pairs are kept apart up to this many times the length at which a tick matters.
+# Near pairs are kept apart up to this many times the length at which a unit matters.
 _REACH = 32
 # A graph with more near pairs than this for each vertex counts in 52 bits.
 _CROWD = 8
 
 
-class Ticks(NamedTuple):
-    """Lengths of the edges of a graph in ticks, and exact lengths where ticks are too coarse."""
+class FixedPoint(NamedTuple):
+    """Lengths of the edges of a graph in units, and exact lengths where units are too coarse."""
 
     length: np.ndarray  # (g,) uint32, or float64 with whole numbers
-    tick: float
-    unreached: float  # more ticks than any path has
+    unit: float
+    unreached: float  # more units than any path has
     near_start: npt.NDArray[np.int64]  # (n + 1,) pairs of vertices that are near each other, in compressed rows
     near: IntArray
     near_length: FloatArray
 
 
-def in_ticks(start: np.ndarray, end: IntArray, length: FloatArray, bound: float, accuracy: float) -> Ticks:
-    """Lengths of directed edges, in compressed rows, rounded up to whole ticks.
+def to_fixed_point(start: np.ndarray, end: IntArray, length: FloatArray, bound: float, accuracy: float) -> FixedPoint:
+    """Lengths of directed edges, in compressed rows, rounded up to units.
 
-    32 bits span the longest path, which is no longer than ``bound``; a tick then is fine enough but for
+    32 bits span the longest path, which is no longer than ``bound``; a unit then is fine enough but for
     edges some 1e5 times shorter. Paths among those are found apart, in float64. Where there are too many of
     them, lengths are whole numbers in float64.
     """
     room = 1.0 + (float(length.max()) / bound if bound > 0 else 0.0)  # for one more edge behind the longest path
     unreached = np.floor((2.0**32 - 1) / room)
-    # A path may be longer by a tick for each of its edges: hence the room above the bound.
-    tick = 1.001 * bound / unreached if bound > 0 else 1.0
-    shortest = tick / (accuracy * ROUNDING)
+    # A path may be longer by a unit for each of its edges: hence the room above the bound.
+    unit = 1.001 * bound / unreached if bound > 0 else 1.0
+    shortest = unit / (accuracy * ROUNDING)
     n = len(start) - 1
     crowd = _CROWD * n
     pairs = np.zeros(n + 1, np.int64), np.zeros(0, np.int32), np.zeros(0)
     if np.any((length > 0) & (length < shortest)):
         pairs = near_pairs(*_shorter(start, end, length, _REACH * shortest), _REACH * shortest, crowd)
         if len(pairs[1]) >= crowd:
-            tick = 1.001 * bound / 2.0**52
-            return Ticks(np.ceil(length / tick), tick, 2.0**52, np.zeros(n + 1, np.int64), *(x[:0] for x in pairs[1:]))
+            unit = 1.001 * bound / 2.0**52
+            return FixedPoint(
+                np.ceil(length / unit), unit, 2.0**52, np.zeros(n + 1, np.int64), *(x[:0] for x in pairs[1:])
+            )
         pairs = undirected(*pairs)
-    return Ticks(np.ceil(length / tick).astype(np.uint32), tick, unreached, *pairs)
+    return FixedPoint(np.ceil(length / unit).astype(np.uint32), unit, unreached, *pairs)
 
 
-def _shorter(start: np.ndarray, end: IntArray, length: FloatArray, most: float) -> Rows:
+def _shorter(start: np.ndarray, end: IntArray, length: FloatArray, most: float) -> Csr:
     """Edges up to a length, in either direction."""
     few = np.flatnonzero(length < most)
     row = np.searchsorted(start, few, side="right") - 1

@@ -13,25 +13,25 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from qgeo_filters._log import timed
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray
 from qgeo_filters.errors import ParameterError
-from qgeo_filters.geodesics.dgg.bucket_order import band_order
-from qgeo_filters.geodesics.dgg.construction import look_from
+from qgeo_filters.geodesics.dgg.bucket_order import bucket_order
+from qgeo_filters.geodesics.dgg.construction import direct_geodesics_from
 from qgeo_filters.geodesics.dgg.csr import undirected
-from qgeo_filters.geodesics.dgg.fixed_point import ROUNDING, Ticks, in_ticks
+from qgeo_filters.geodesics.dgg.fixed_point import ROUNDING, FixedPoint, to_fixed_point
 from qgeo_filters.geodesics.dgg.label_correcting import relax, write_near, write_rows
 from qgeo_filters.geodesics.dgg.memory import release_freed_memory
 from qgeo_filters.geodesics.dgg.simd import LANES, aligned_block
 from qgeo_filters.geodesics.dgg.vertex_ordering import compact_order
 from qgeo_filters.geodesics.dijkstra import mesh_edges
 from qgeo_filters.geodesics.distance_solver import DistanceSolver
-from qgeo_filters.geodesics.layout import layout_of
 from qgeo_filters.geodesics.metric import IntrinsicMesh, LiftedMetric
+from qgeo_filters.geodesics.unfolding import unfolded_sides
 from qgeo_filters.parallel import GROUP, in_threads
 from qgeo_filters.surface import Surface
 
 _log = logging.getLogger(__name__)
 
-# Width of a band of distance, in mean edge lengths: narrow enough for one pass to do nearly all.
-_BAND = 0.25
+# Width of a bucket of distance, in mean edge lengths: narrow enough for one pass to do nearly all.
+_BUCKET_WIDTH = 0.25
 # Vertices that one task looks from when the graph is built.
 _CHUNK = 128
 
@@ -52,9 +52,9 @@ class GeodesicGraph(DistanceSolver):
         The graph in compressed rows.
     mesh_start, mesh_neighbour, mesh_length : (n + 1,), (2E,), (2E,)
         The edges of the mesh in compressed rows.
-    band, n_bands : float, int
-        Width and number of the bands of distance in whose order vertices are swept.
-    ticks : Ticks
+    bucket_width, n_buckets : float, int
+        Width and number of the buckets of distance in whose order vertices are relaxed.
+    fixed : FixedPoint
         Lengths of the graph's edges as whole numbers.
     accuracy : float
         Bound on the relative error.
@@ -70,9 +70,9 @@ class GeodesicGraph(DistanceSolver):
     mesh_start: IntArray
     mesh_neighbour: IntArray
     mesh_length: FloatArray
-    band: float
-    n_bands: int
-    ticks: Ticks
+    bucket_width: float
+    n_buckets: int
+    fixed: FixedPoint
     accuracy: float
 
     @property
@@ -90,21 +90,21 @@ class GeodesicGraph(DistanceSolver):
 
         Sources that follow each other should be close together: so are those of `source_order`.
         """
-        n, ticks = self.n_vertices, self.ticks
-        block = aligned_block(n, ticks.length.dtype)
+        n, fixed = self.n_vertices, self.fixed
+        block = aligned_block(n, fixed.length.dtype)
         order, distance, awake = np.empty(n, np.int32), np.empty(n), np.empty(n, np.bool_)
-        head, following = np.empty(self.n_bands + 1, np.int32), np.empty(len(self.mesh_neighbour), np.int32)
+        head, following = np.empty(self.n_buckets + 1, np.int32), np.empty(len(self.mesh_neighbour), np.int32)
         for first in range(0, len(sources), LANES):
             part, some = self.place[sources[first : first + LANES]], rows[first : first + LANES]
-            block.fill(ticks.unreached)
+            block.fill(fixed.unreached)
             block[part, np.arange(len(part))] = 0
-            count = band_order(
-                self.mesh_start, self.mesh_neighbour, self.mesh_length, self.band, part,
+            count = bucket_order(
+                self.mesh_start, self.mesh_neighbour, self.mesh_length, self.bucket_width, part,
                 order, distance, awake, head, following,
             )  # fmt: skip
-            relax(self.start, self.neighbour, ticks.length, order[:count], block, awake)
-            write_rows(block, ticks.unreached, self.place, ticks.tick, out, some)
-            write_near(ticks.near_start, ticks.near, ticks.near_length, self.vertex, part, out, some)
+            relax(self.start, self.neighbour, fixed.length, order[:count], block, awake)
+            write_rows(block, fixed.unreached, self.place, fixed.unit, out, some)
+            write_near(fixed.near_start, fixed.near, fixed.near_length, self.vertex, part, out, some)
 
 
 def geodesic_graph(mesh: IntrinsicMesh, accuracy: float = 1e-3, *, workers: int | None = None) -> GeodesicGraph:
@@ -135,20 +135,20 @@ def geodesic_graph(mesh: IntrinsicMesh, accuracy: float = 1e-3, *, workers: int 
     place = np.empty_like(vertex)
     place[vertex] = np.arange(len(vertex), dtype=vertex.dtype)
     mesh_rows = edges[vertex][:, vertex]
-    # The error of many steps is eps + eps^2, that of rounding to ticks comes on top.
+    # The error of many steps is eps + eps^2, that of rounding to units comes on top.
     epsilon = accuracy * (1 - 3 * ROUNDING) / (1 + accuracy)
-    counts, ends, lengths = _look(mesh, vertex, epsilon, bound, workers)
+    counts, ends, lengths = _direct_geodesics(mesh, vertex, epsilon, bound, workers)
     leaving = np.concatenate([[0], np.cumsum(counts)])
     ends = place[ends]
-    ticks = in_ticks(leaving, ends, lengths, bound, accuracy)
+    fixed = to_fixed_point(leaving, ends, lengths, bound, accuracy)
     del lengths  # the graph is large until it is joined
-    start, neighbour, length = undirected(leaving, ends, ticks.length)
-    ticks = ticks._replace(length=length)
-    band = max(_BAND * float(mesh_rows.data.mean()), bound / (4 * len(vertex))) or 1.0
-    n_bands = int(bound / band) + 1
+    start, neighbour, length = undirected(leaving, ends, fixed.length)
+    fixed = fixed._replace(length=length)
+    bucket_width = max(_BUCKET_WIDTH * float(mesh_rows.data.mean()), bound / (4 * len(vertex))) or 1.0
+    n_buckets = int(bound / bucket_width) + 1
     return GeodesicGraph(
         vertex, place, start, neighbour,
-        mesh_rows.indptr, mesh_rows.indices, mesh_rows.data, band, n_bands, ticks, accuracy,
+        mesh_rows.indptr, mesh_rows.indices, mesh_rows.data, bucket_width, n_buckets, fixed, accuracy,
     )  # fmt: skip
 
 
@@ -168,14 +168,14 @@ def graph_of(metric: LiftedMetric, accuracy: float, workers: int | None) -> Geod
     return graph
 
 
-def _look(
+def _direct_geodesics(
     mesh: IntrinsicMesh, vertex: IntArray, epsilon: float, limit: float, workers: int | None
 ) -> tuple[npt.NDArray[np.int64], IntArray, FloatArray]:
     """Directed edges of the graph: how many leave each vertex in this order, where they end, their lengths."""
-    layout = layout_of(mesh)
+    sides = unfolded_sides(mesh)
 
     def task(first: int) -> tuple[npt.NDArray[np.int64], IntArray, FloatArray]:
-        return look_from(*layout, vertex[first : first + _CHUNK], epsilon, limit)
+        return direct_geodesics_from(*sides, vertex[first : first + _CHUNK], epsilon, limit)
 
     counts, ends, lengths = zip(*in_threads(task, range(0, len(vertex), _CHUNK), workers), strict=True)
     return np.concatenate(counts), np.concatenate(ends), np.concatenate(lengths)

@@ -37,13 +37,13 @@ def relax(start, neighbour, length, order, block, awake):  # type: ignore[no-unt
 
 
 @njit()
-def write_rows(block, unreached, place, tick, out, rows):  # type: ignore[no-untyped-def]
+def write_rows(block, unreached, place, unit, out, rows):  # type: ignore[no-untyped-def]
     """Columns of a block as lengths into the given rows of ``out`` (., n), in the order of the vertices."""
     for v in range(len(place)):
         p = place[v]
         for k in range(len(rows)):
             value = block[p, k]
-            out[rows[k], v] = value * tick if value < unreached else np.inf
+            out[rows[k], v] = value * unit if value < unreached else np.inf
 
 
 @njit()

@@ -8,7 +8,7 @@ from qgeo_filters.jit import njit
 
 
 @njit()
-def _spread(start, neighbour, group, g, source, order, first, mark, stamp):  # type: ignore[no-untyped-def]
+def _breadth_first(start, neighbour, group, g, source, order, first, mark, stamp):  # type: ignore[no-untyped-def]
     """Breadth-first order of what group g connects with the source into ``order[first:]``; where it ends."""
     order[first] = source
     mark[source] = stamp
@@ -46,12 +46,12 @@ def compact_order(start, neighbour, leaf):  # type: ignore[no-untyped-def]
         groups += 1
         for i in range(first, last):
             group[order[i]] = groups
-        end = _spread(start, neighbour, group, groups, order[first], reached, first, mark, 2 * groups)
+        end = _breadth_first(start, neighbour, group, groups, order[first], reached, first, mark, 2 * groups)
         stamp = 2 * groups + 1
         source, end = reached[end - 1], first
         i = first
         while end < last:
-            end = _spread(start, neighbour, group, groups, source, reached, end, mark, stamp)
+            end = _breadth_first(start, neighbour, group, groups, source, reached, end, mark, stamp)
             while end < last and mark[order[i]] == stamp:
                 i += 1
             source = order[i]

@@ -22,7 +22,7 @@ from qgeo_filters.jit import inner, kernel
 # off by the square.
 SNAP = 1e-8
 
-GATE = np.dtype(
+PORTAL = np.dtype(
     [("lx", "f8"), ("ly", "f8"), ("rx", "f8"), ("ry", "f8"), ("left", "i8"), ("right", "i8")]
 )  # fmt: skip
 NODE = np.dtype(
@@ -31,28 +31,28 @@ NODE = np.dtype(
         ("y", "f8"),
         ("t", "f8"),  # on an edge: where, from 0 at its left to 1 at its right end
         ("vertex", "i8"),  # -1 on an edge
-        ("first", "i8"),  # gates that the path passes here: one at an edge, a fan of them at a vertex
+        ("first", "i8"),  # portals that the path passes here: one at an edge, a fan of them at a vertex
         ("last", "i8"),
     ]
 )
 
 
 class FlatSleeve(NamedTuple):
-    """A sleeve laid flat and the taut path in it; ``size`` holds the numbers of gates and of nodes."""
+    """A sleeve laid flat and the taut path in it; ``size`` holds the numbers of portals and of nodes."""
 
-    gates: npt.NDArray[np.void]  # GATE: the ends of the edges crossed, left and right of the path
+    portals: npt.NDArray[np.void]  # PORTAL: the ends of the edges crossed, left and right of the path
     nodes: npt.NDArray[np.void]  # NODE: start, crossings and vertices, end
-    turns: npt.NDArray[np.int64]  # gates at which the taut path touches the border, +1, right ones negative
+    turns: npt.NDArray[np.int64]  # portals at which the taut path touches the border, +1, right ones negative
     size: npt.NDArray[np.int64]  # (2,)
 
 
 @inner
-def new_flat_sleeve(n_gates: int) -> FlatSleeve:
-    """Room for a sleeve of so many gates."""
+def new_flat_sleeve(n_portals: int) -> FlatSleeve:
+    """Room for a sleeve of so many portals."""
     return FlatSleeve(
-        np.empty(n_gates, dtype=GATE),
-        np.empty(2 * n_gates + 2, dtype=NODE),  # at most one for each gate and each turn
-        np.empty(n_gates + 1, dtype=np.int64),
+        np.empty(n_portals, dtype=PORTAL),
+        np.empty(2 * n_portals + 2, dtype=NODE),  # at most one for each portal and each turn
+        np.empty(n_portals + 1, dtype=np.int64),
         np.zeros(2, dtype=np.int64),
     )
 
@@ -64,8 +64,8 @@ def _cross(ax: float, ay: float, bx: float, by: float) -> float:
 
 @kernel
 def _lay_flat(sleeve: IndexArray, flat: FlatSleeve, mesh: UnfoldedMesh) -> None:
-    """Unfold the gates; the first and the last node are the apexes of the first and the last triangle."""
-    gates, sides = flat.gates, mesh.sides
+    """Unfold the portals; the first and the last node are the apexes of the first and the last triangle."""
+    portals, sides = flat.portals, mesh.sides
     m = len(sleeve)
     way_in = sides[sides[sleeve[0]]["twin"]]
     # The path comes down from the apex of the first triangle, so that its left is the positive x-axis.
@@ -81,8 +81,15 @@ def _lay_flat(sleeve: IndexArray, flat: FlatSleeve, mesh: UnfoldedMesh) -> None:
         h = sleeve[k]
         side, base = sides[h], 3 * (h // 3)
         ahead, back = base + (h - base + 1) % 3, base + (h - base + 2) % 3
-        gate = gates[k]
-        gate["lx"], gate["ly"], gate["rx"], gate["ry"], gate["left"], gate["right"] = lx, ly, rx, ry, left, right
+        portal = portals[k]
+        portal["lx"], portal["ly"], portal["rx"], portal["ry"], portal["left"], portal["right"] = (
+            lx,
+            ly,
+            rx,
+            ry,
+            left,
+            right,
+        )
         length = np.sqrt((rx - lx) * (rx - lx) + (ry - ly) * (ry - ly))
         ex, ey = ((rx - lx) / length, (ry - ly) / length) if length > 0.0 else (1.0, 0.0)
         # Measured from the end that is nearer in the triangle's own frame.
@@ -103,12 +110,12 @@ def _lay_flat(sleeve: IndexArray, flat: FlatSleeve, mesh: UnfoldedMesh) -> None:
 @kernel
 def _pull_tight(flat: FlatSleeve) -> int:
     """Number of turns of the taut path, written to ``flat.turns``."""
-    gates, turns, m = flat.gates, flat.turns, flat.size[0]
+    portals, turns, m = flat.portals, flat.turns, flat.size[0]
     ax, ay = flat.nodes[0]["x"], flat.nodes[0]["y"]
     zx, zy = flat.nodes[1]["x"], flat.nodes[1]["y"]
-    # The legs of the funnel, relative to its apex; zero while the gates have an end at the apex.
+    # The legs of the funnel, relative to its apex; zero while the portals have an end at the apex.
     lx = ly = rx = ry = 0.0
-    left_gate = right_gate = -1
+    left_portal = right_portal = -1
     count = k = 0
     while k <= m:
         # Facing ahead, left is counterclockwise: legs may only come nearer to each other.
@@ -120,52 +127,52 @@ def _pull_tight(flat: FlatSleeve) -> int:
             elif (rx != 0.0 or ry != 0.0) and _cross(rx, ry, x, y) <= 0.0:
                 turn = -1
         else:
-            x, y = gates[k]["rx"] - ax, gates[k]["ry"] - ay
+            x, y = portals[k]["rx"] - ax, portals[k]["ry"] - ay
             if rx == 0.0 and ry == 0.0:
-                rx, ry, right_gate = x, y, k
+                rx, ry, right_portal = x, y, k
             elif _cross(rx, ry, x, y) >= 0.0:
                 if (lx != 0.0 or ly != 0.0) and _cross(lx, ly, x, y) >= 0.0:
                     turn = 1
                 else:
-                    rx, ry, right_gate = x, y, k
-            x, y = gates[k]["lx"] - ax, gates[k]["ly"] - ay
+                    rx, ry, right_portal = x, y, k
+            x, y = portals[k]["lx"] - ax, portals[k]["ly"] - ay
             if turn == 0:
                 if lx == 0.0 and ly == 0.0:
-                    lx, ly, left_gate = x, y, k
+                    lx, ly, left_portal = x, y, k
                 elif _cross(lx, ly, x, y) <= 0.0:
                     if (rx != 0.0 or ry != 0.0) and _cross(rx, ry, x, y) <= 0.0:
                         turn = -1
                     else:
-                        lx, ly, left_gate = x, y, k
+                        lx, ly, left_portal = x, y, k
         if turn == 0:
             k += 1
             continue
-        k = left_gate if turn > 0 else right_gate
-        ax, ay = (gates[k]["lx"], gates[k]["ly"]) if turn > 0 else (gates[k]["rx"], gates[k]["ry"])
+        k = left_portal if turn > 0 else right_portal
+        ax, ay = (portals[k]["lx"], portals[k]["ly"]) if turn > 0 else (portals[k]["rx"], portals[k]["ry"])
         lx = ly = rx = ry = 0.0
         turns[count] = turn * (k + 1)
         count += 1
-        left_gate = right_gate = k
+        left_portal = right_portal = k
         k += 1
     return count
 
 
 @kernel
-def _touches(gate: np.void, x: float, y: float) -> bool:
-    return (gate["lx"] == x and gate["ly"] == y) or (gate["rx"] == x and gate["ry"] == y)
+def _touches(portal: np.void, x: float, y: float) -> bool:
+    return (portal["lx"] == x and portal["ly"] == y) or (portal["rx"] == x and portal["ry"] == y)
 
 
 @kernel
 def _add_vertex(flat: FlatSleeve, count: int, k: int, left: bool) -> int:
-    """Gate after the fan of gates that meet in the left or right end of gate k, noted as a node there."""
-    gates, node = flat.gates, flat.nodes[count]
-    gate = gates[k]
-    node["x"], node["y"] = (gate["lx"], gate["ly"]) if left else (gate["rx"], gate["ry"])
-    node["vertex"] = gate["left"] if left else gate["right"]
+    """Portal after the fan of portals that meet in the left or right end of portal k, noted as a node there."""
+    portals, node = flat.portals, flat.nodes[count]
+    portal = portals[k]
+    node["x"], node["y"] = (portal["lx"], portal["ly"]) if left else (portal["rx"], portal["ry"])
+    node["vertex"] = portal["left"] if left else portal["right"]
     first = last = k
-    while first > 0 and _touches(gates[first - 1], node["x"], node["y"]):
+    while first > 0 and _touches(portals[first - 1], node["x"], node["y"]):
         first -= 1
-    while last + 1 < flat.size[0] and _touches(gates[last + 1], node["x"], node["y"]):
+    while last + 1 < flat.size[0] and _touches(portals[last + 1], node["x"], node["y"]):
         last += 1
     node["first"], node["last"], node["t"] = first, last, 0.0 if left else 1.0
     return last + 1
@@ -174,7 +181,7 @@ def _add_vertex(flat: FlatSleeve, count: int, k: int, left: bool) -> int:
 @kernel
 def _list_nodes(flat: FlatSleeve, n_turns: int) -> int:
     """Number of nodes of the taut path: start, all crossings, all vertices that it passes through, end."""
-    gates, nodes, turns, m = flat.gates, flat.nodes, flat.turns, flat.size[0]
+    portals, nodes, turns, m = flat.portals, flat.nodes, flat.turns, flat.size[0]
     zx, zy, end = nodes[1]["x"], nodes[1]["y"], nodes[1]["vertex"]
     count, k = 1, 0
     for turn in range(n_turns + 1):
@@ -183,17 +190,17 @@ def _list_nodes(flat: FlatSleeve, n_turns: int) -> int:
         left = turn < n_turns and turns[turn] > 0
         bx, by = zx, zy
         if turn < n_turns:
-            bx, by = (gates[stop]["lx"], gates[stop]["ly"]) if left else (gates[stop]["rx"], gates[stop]["ry"])
-        while k < stop and not (turn < n_turns and _touches(gates[k], bx, by)):
-            gate = gates[k]
-            px, py = gate["lx"], gate["ly"]
-            across = _cross(bx - ax, by - ay, gate["rx"] - px, gate["ry"] - py)
+            bx, by = (portals[stop]["lx"], portals[stop]["ly"]) if left else (portals[stop]["rx"], portals[stop]["ry"])
+        while k < stop and not (turn < n_turns and _touches(portals[k], bx, by)):
+            portal = portals[k]
+            px, py = portal["lx"], portal["ly"]
+            across = _cross(bx - ax, by - ay, portal["rx"] - px, portal["ry"] - py)
             t = _cross(bx - ax, by - ay, ax - px, ay - py) / across if across != 0.0 else 0.0
             if t <= SNAP or t >= 1.0 - SNAP:
                 k = _add_vertex(flat, count, k, t <= SNAP)
             else:
                 node = nodes[count]
-                node["x"], node["y"], node["t"] = px + t * (gate["rx"] - px), py + t * (gate["ry"] - py), t
+                node["x"], node["y"], node["t"] = px + t * (portal["rx"] - px), py + t * (portal["ry"] - py), t
                 node["vertex"], node["first"], node["last"] = -1, k, k
                 k += 1
             count += 1
@@ -235,17 +242,17 @@ def side_angles(flat: FlatSleeve, k: int, mesh: UnfoldedMesh) -> tuple[float, fl
     node, before, after = flat.nodes[k], flat.nodes[k - 1], flat.nodes[k + 1]
     x, y = node["x"], node["y"]
     ux, uy, wx, wy = before["x"] - x, before["y"] - y, after["x"] - x, after["y"] - y
-    gate = flat.gates[node["first"]]
+    portal = flat.portals[node["first"]]
     if node["vertex"] < 0:
-        lx, ly, rx, ry = gate["lx"] - x, gate["ly"] - y, gate["rx"] - x, gate["ry"] - y
+        lx, ly, rx, ry = portal["lx"] - x, portal["ly"] - y, portal["rx"] - x, portal["ry"] - y
         left = _angle(ux, uy, lx, ly) + _angle(lx, ly, wx, wy)
         return left, _angle(ux, uy, rx, ry) + _angle(rx, ry, wx, wy)
     # The sleeve goes about the vertex on one side: add up its fan, and take the rest from the total.
-    at_left = gate["lx"] == x and gate["ly"] == y
+    at_left = portal["lx"] == x and portal["ly"] == y
     inner = 0.0
     for g in range(node["first"], node["last"] + 1):
-        gate = flat.gates[g]
-        vx, vy = (gate["rx"] - x, gate["ry"] - y) if at_left else (gate["lx"] - x, gate["ly"] - y)
+        portal = flat.portals[g]
+        vx, vy = (portal["rx"] - x, portal["ry"] - y) if at_left else (portal["lx"] - x, portal["ly"] - y)
         inner += _angle(ux, uy, vx, vy)
         ux, uy = vx, vy
     inner += _angle(ux, uy, wx, wy)

@@ -46,7 +46,7 @@ def _led_past(
 ) -> tuple[int, int]:
     """Length of the sleeve that leads past all vertices where that is shorter, and how many there are.
 
-    Fans that share a gate with one already led past wait for the next round.
+    Fans that share a portal with one already led past wait for the next round.
     """
     m, n_nodes = flat.size[0], flat.size[1]
     count, done, changes = ZERO, 0, 0
@@ -56,7 +56,7 @@ def _led_past(
         if v < 0 or first < done:
             continue
         left, right = side_angles(flat, k, mesh)
-        at_left = flat.gates[first]["lx"] == node["x"] and flat.gates[first]["ly"] == node["y"]
+        at_left = flat.portals[first]["lx"] == node["x"] and flat.portals[first]["ly"] == node["y"]
         if (left if at_left else right) >= np.pi - tolerance:
             continue
         while done < first:
@@ -144,8 +144,8 @@ def describe(sleeve: IndexArray, flat: FlatSleeve, start: int, end: int, mesh: U
         if v >= 0:
             point["left"], point["right"] = v, v
         else:
-            gate = flat.gates[node["first"]]
-            point["left"], point["right"] = gate["left"], gate["right"]
+            portal = flat.portals[node["first"]]
+            point["left"], point["right"] = portal["left"], portal["right"]
         if 0 < k < count - 1:
             point["left_angle"], point["right_angle"] = side_angles(flat, k, mesh)
             face = sleeve[node["last"]] // 3
