@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import ast
 import importlib
-import inspect
 import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 
@@ -96,31 +94,10 @@ def test_the_version_is_written_in_one_place() -> None:
     assert written == [ROOT / "qgeo_filters" / "__init__.py"]
 
 
-def test_one_default_of_the_curvature_weight() -> None:
-    """Wherever the lifted metric is taken unasked; plain distances and paths are the surface's own."""
-    import qgeo_widgets as qw
-    from qgeo_filters.cli.compatibility import compatibility
-    from qgeo_filters.cli.geodesics import distances, path
-    from qgeo_filters.cli.spectral import spectrum
-    from qgeo_filters.cli.symmetry import symmetry
-    from qgeo_filters.defaults import CURVATURE_WEIGHT
-    from qgeo_filters.filters.meshlab_methods import METHODS
-    from qgeo_filters.filters.registry import registered_filters
-
-    def default(function: Callable[..., object]) -> object:
-        parameters = inspect.signature(function).parameters
-        (found,) = {"weight", "curvature_weight", "curvatureweight"} & set(parameters) or {None}
-        return parameters[found].default if found else None
-
-    lifted = [filter for filter in registered_filters().values() if default(filter) is not None]
-    assert len(lifted) >= 4
-    methods = [method for method in METHODS if default(method) is not None]
-    assert len(methods) == 2
-    commands = [compatibility, spectrum, symmetry]
-    widgets = [qw.compare, qw.geodesics, qw.matrix, qw.symmetry]
-    for function in [qg.lifted_metric, *lifted, *methods, *commands, *widgets]:
-        assert default(function) == CURVATURE_WEIGHT, function
-    assert default(distances) == default(path) == 0
+def test_no_public_name_is_that_of_a_module_which_would_take_its_place() -> None:
+    """Importing ``qgeo_filters.x`` sets ``qg.x`` to the module, whatever the package meant by it."""
+    modules = {path.stem for path in Path(qg.__file__).parent.iterdir()}
+    assert modules & set(qg.__all__) == {"testing", "evaluation"}
 
 
 def test_unknown_name_is_an_attribute_error() -> None:

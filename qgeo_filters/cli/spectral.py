@@ -25,9 +25,11 @@ from qgeo_filters.cli.options import (
 from qgeo_filters.defaults import CURVATURE_WEIGHT, EIGENPAIRS
 
 Count = Annotated[int, typer.Option("-k", help="Number of eigenpairs.")]
-Weights = Annotated[
+MassName = Annotated[
     Literal["area", "uniform"],
-    typer.Option("--weights", help="Eigenproblem of the integral operator, or of the plain matrix (paper, eq. 2)."),
+    typer.Option(
+        "--mass", "--weights", help="Eigenproblem of the integral operator, or of the plain matrix (paper, eq. 2)."
+    ),
 ]
 Landmarks = Annotated[
     int | None, typer.Option("--landmarks", help="Number of farthest points that stand for all, for large meshes.")
@@ -40,7 +42,7 @@ def spectrum(
     curvature_weight: Weight = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
     smoothing: Smoothing = 0.0,
-    weights: Weights = "area",
+    mass: MassName = "area",
     landmarks: Landmarks = None,
     method: Method = "graph",
     accuracy: Accuracy = 1e-3,
@@ -63,7 +65,7 @@ def spectrum(
         k=k,
         scalar=scalar,
         curvature_weight=curvature_weight,
-        mass=weights,
+        mass=mass,
         landmarks=landmarks,
         smoothing=smoothing,
         method=method,

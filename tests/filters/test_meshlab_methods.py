@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
+
 import numpy as np
 import pytest
 
 import qgeo_filters as qg
+from qgeo_filters import defaults
+from qgeo_filters.filters import meshlab_methods
 from qgeo_filters.testing import sample_surface
 
 pymeshlab = pytest.importorskip("pymeshlab")
@@ -70,3 +74,14 @@ def test_workers_are_those_of_the_filters(meshset: pymeshlab.MeshSet) -> None:
     for method in (distance, spectrum):
         with pytest.raises(qg.ParameterError, match="workers"):
             method(workers=0)
+
+
+def test_defaults_are_those_of_the_filters() -> None:
+    found = 0
+    for method in meshlab_methods.METHODS:
+        for name, parameter in inspect.signature(method).parameters.items():
+            shared = {"curvatureweight": defaults.CURVATURE_WEIGHT, "k": defaults.EIGENPAIRS}
+            if name in shared:
+                assert parameter.default == shared[name]
+                found += 1
+    assert found == 3
