@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import logging
 import os
 import pickle
 import uuid
@@ -22,6 +23,8 @@ import numpy as np
 from numba.core.caching import FunctionCache
 from numba.core.dispatcher import Dispatcher
 from numba.core.serialize import dumps
+
+_log = logging.getLogger(__name__)
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -47,8 +50,10 @@ def njit(**options: Any) -> Callable[[F], F]:
     def decorate(function: F) -> F:
         dispatcher = numba.njit(nogil=True, **options)(function)
         if isinstance(dispatcher, Dispatcher):  # not where NUMBA_DISABLE_JIT is set
-            with contextlib.suppress(RuntimeError):  # no folder can be written: compile in every process
+            try:
                 dispatcher._cache = _Cache(dispatcher)  # type: ignore[attr-defined]
+            except RuntimeError as error:  # Numba found no folder that it can write to
+                _log.warning("kernels are compiled anew in every process, set NUMBA_CACHE_DIR to a folder: %s", error)
             KERNELS[f"{function.__module__}.{function.__qualname__}"] = dispatcher
         return dispatcher
 

@@ -139,3 +139,24 @@ def test_warmup_leaves_no_kernel_uncompiled(tmp_path: Path) -> None:
     assert len(warm) == written > 60
     assert [name for name, count in warm.items() if not count] == []
     assert after == warm
+
+
+def test_without_a_folder_for_the_cache_it_works_and_says_so(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    from numba.core.caching import FunctionCache
+
+    from qgeo_filters import jit
+
+    def refuse(self: object, function: object) -> None:
+        raise RuntimeError("no locator available for file 'x.py'")
+
+    monkeypatch.setattr(FunctionCache, "__init__", refuse)
+    monkeypatch.setattr(jit, "KERNELS", {})
+
+    def twice(x: float) -> float:
+        return 2 * x
+
+    with caplog.at_level("WARNING", logger="qgeo_filters"):
+        assert jit.njit()(twice)(4.0) == 8.0
+    assert "set NUMBA_CACHE_DIR to a folder: no locator available" in caplog.text
