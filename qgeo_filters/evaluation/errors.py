@@ -13,6 +13,7 @@ from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
+from qgeo_filters.parallel import worker_count
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices, frozen
 
@@ -86,6 +87,7 @@ def geodesic_error(
     normalization: Normalization = "sqrt_area",
     *,
     matrix: Any = None,
+    workers: int | None = None,
 ) -> FloatArray:
     """Geodesic distance on Y from the image of each point to its true image, shape (n,).
 
@@ -101,6 +103,8 @@ def geodesic_error(
         large, so that errors look smaller; it takes all distances), or not at all. Never mix them in one table.
     matrix : array-like, shape (n_Y, n_Y), optional
         Distances on Y in the unit of its vertices, where they are at hand.
+    workers : int, optional
+        Threads for distances that are not; all cores by default. The errors do not depend on it.
 
     Raises
     ------
@@ -111,6 +115,7 @@ def geodesic_error(
     ----------
     Kim, Lipman, Funkhouser, "Blended intrinsic maps", SIGGRAPH 2011, for the protocol.
     """
+    threads = worker_count(workers)  # refused whether or not it is needed
     y = as_surface(y)
     image, target = checked_indices(p2p, y.n_vertices, "p2p"), checked_indices(truth, y.n_vertices, "truth")
     if image.shape != target.shape:
@@ -118,9 +123,9 @@ def geodesic_error(
     if normalization not in ("sqrt_area", "diameter", "none"):
         raise ParameterError(f"normalization must be 'sqrt_area', 'diameter' or 'none', got {normalization!r}")
     if matrix is None and normalization == "diameter":
-        matrix = distance_matrix(y)
+        matrix = distance_matrix(y, workers=threads)
     if matrix is None:
-        errors = _between(y, image, target)
+        errors = _between(y, image, target, threads)
     else:
         if np.shape(matrix) != (y.n_vertices, y.n_vertices):
             raise ParameterError(f"the matrix has shape {np.shape(matrix)}, expected {(y.n_vertices, y.n_vertices)}")
@@ -131,7 +136,13 @@ def geodesic_error(
 
 
 def symmetric_errors(
-    p2p: npt.ArrayLike, truth: npt.ArrayLike, symmetry: npt.ArrayLike, y: SurfaceLike, *, matrix: Any = None
+    p2p: npt.ArrayLike,
+    truth: npt.ArrayLike,
+    symmetry: npt.ArrayLike,
+    y: SurfaceLike,
+    *,
+    matrix: Any = None,
+    workers: int | None = None,
 ) -> SymmetricErrors:
     """Errors against the truth and against the mirrored truth, in units of sqrt(area).
 
@@ -142,22 +153,30 @@ def symmetric_errors(
     symmetry : array-like of int, shape (n_Y,)
         True left/right map of Y.
     y : Surface, or whatever `as_surface` takes
-    matrix : array-like, shape (n_Y, n_Y), optional
+    matrix, workers
+        As in `geodesic_error`.
     """
     y = as_surface(y)
     mirror = checked_indices(symmetry, y.n_vertices, "symmetry")
     if len(mirror) != y.n_vertices:
         raise ParameterError(f"symmetry must hold a vertex for each of the {y.n_vertices} of Y, got {len(mirror)}")
     target = checked_indices(truth, y.n_vertices, "truth")
-    direct = geodesic_error(p2p, target, y, matrix=matrix)
-    return SymmetricErrors(frozen(direct), frozen(geodesic_error(p2p, mirror[target], y, matrix=matrix)))
+    direct = geodesic_error(p2p, target, y, matrix=matrix, workers=workers)
+    reflected = geodesic_error(p2p, mirror[target], y, matrix=matrix, workers=workers)
+    return SymmetricErrors(frozen(direct), frozen(reflected))
 
 
 def mirrored(
-    p2p: npt.ArrayLike, truth: npt.ArrayLike, symmetry: npt.ArrayLike, y: SurfaceLike, *, matrix: Any = None
+    p2p: npt.ArrayLike,
+    truth: npt.ArrayLike,
+    symmetry: npt.ArrayLike,
+    y: SurfaceLike,
+    *,
+    matrix: Any = None,
+    workers: int | None = None,
 ) -> bool:
     """Whether a map is nearer, in the mean, to the mirrored truth than to the truth; see `symmetric_errors`."""
-    return symmetric_errors(p2p, truth, symmetry, y, matrix=matrix).mirrored
+    return symmetric_errors(p2p, truth, symmetry, y, matrix=matrix, workers=workers).mirrored
 
 
 def error_curve(errors: npt.ArrayLike, thresholds: npt.ArrayLike) -> FloatArray:
@@ -166,7 +185,7 @@ def error_curve(errors: npt.ArrayLike, thresholds: npt.ArrayLike) -> FloatArray:
     return np.searchsorted(values, np.asarray(thresholds, dtype=np.float64), side="right") / len(values)
 
 
-def _between(y: Surface, image: npt.NDArray[np.int64], target: npt.NDArray[np.int64]) -> FloatArray:
+def _between(y: Surface, image: npt.NDArray[np.int64], target: npt.NDArray[np.int64], workers: int) -> FloatArray:
     """Distance between each pair of vertices, with as few sources as one side of the pairs has."""
     errors = np.zeros(len(image))
     wrong = np.flatnonzero(image != target)
@@ -174,7 +193,7 @@ def _between(y: Surface, image: npt.NDArray[np.int64], target: npt.NDArray[np.in
         return errors
     ends = sorted((image[wrong], target[wrong]), key=lambda side: len(np.unique(side)))
     sources, row = np.unique(ends[0], return_inverse=True)
-    errors[wrong] = distances(y, sources)[row, ends[1]]
+    errors[wrong] = distances(y, sources, workers=workers)[row, ends[1]]
     return errors
 
 

@@ -31,7 +31,7 @@ from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.spectral.canonical import is_antisymmetric
 from qgeo_filters.spectral.spectrum import Spectrum
-from qgeo_filters.validation import checked_indices
+from qgeo_filters.validation import checked_count, checked_indices
 
 Reading = Literal["absolute", "even", "printed"]
 
@@ -195,9 +195,8 @@ def symmetry_regions(
                 f"epsilon = {epsilon!r} cuts the values, which range over {np.ptp(values):g}, too fine"
             )
         return ((values - values.min()) / epsilon).astype(np.int32)
-    bands = 8 if n_regions is None else n_regions
-    if not isinstance(bands, (int, np.integer)) or not 1 <= bands <= spectrum.n_vertices:
-        raise ParameterError(f"n_regions must be between 1 and the {spectrum.n_vertices} vertices, got {n_regions!r}")
+    n = spectrum.n_vertices
+    bands = checked_count(8 if n_regions is None else n_regions, 1, n, "n_regions", f"the {n} vertices")
     order = np.argsort(values, kind="stable")
     area = spectrum.areas[order]
     middle = (np.cumsum(area) - area / 2) / area.sum()
@@ -209,6 +208,4 @@ def symmetry_regions(
 def _checked_count(spectrum: Spectrum, k0: int | None) -> int:
     if k0 is None:
         return min(20, spectrum.k)
-    if not isinstance(k0, (int, np.integer)) or not 1 <= k0 <= spectrum.k:
-        raise ParameterError(f"k0 must be between 1 and the {spectrum.k} eigenpairs of the spectrum, got {k0!r}")
-    return int(k0)
+    return checked_count(k0, 1, spectrum.k, "k0", f"the {spectrum.k} eigenpairs of the spectrum")

@@ -15,6 +15,7 @@ from qgeo_filters.geodesics.operator import DistanceOperator
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.spectral.landmarks import farthest_points
 from qgeo_filters.spectral.spectrum import Spectrum, check_areas, check_count
+from qgeo_filters.validation import checked_count
 
 
 def streamed_spectrum(
@@ -94,8 +95,7 @@ def spectrum_by_pass(
     n = surface.n_vertices
     check_count(k, n)
     check_areas(surface.vertex_areas)
-    if not isinstance(passes, (int, np.integer)) or passes < 1:
-        raise ParameterError(f"passes must be a whole number, at least 1, got {passes!r}")
+    passes = checked_count(passes, 1, None, "passes")
     if not k <= landmarks <= n:
         raise ParameterError(f"landmarks must be at least k, {k}, and at most the {n} vertices, got {landmarks}")
     metric = metric_for(surface, metric, "lifted")

@@ -20,7 +20,7 @@ from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.spectral.joint_diagonalization import commutator_norm, joint_diagonalizer
 from qgeo_filters.spectral.spectrum import Spectrum
-from qgeo_filters.validation import checked_indices, frozen
+from qgeo_filters.validation import checked_count, checked_indices, frozen
 
 __all__ = [
     "CommutativeSpectra",
@@ -110,11 +110,8 @@ def commutative_eigenspectra(
     pulled = pulled[_checked_map(spectrum_x, spectrum_y, p2p)]
     weights = spectrum_x.areas / spectrum_x.areas.sum()
     most = min(spectrum_x.k, spectrum_y.k)
-    count = most if size is None else size
-    if not isinstance(count, (int, np.integer)) or not 1 <= count <= most:
-        raise ParameterError(
-            f"size must be between 1 and {most}, the eigenfunctions that both spectra have, got {size!r}"
-        )
+    bound = f"{most}, the eigenfunctions that both spectra have"
+    count = most if size is None else checked_count(size, 1, most, "size", bound)
     products = functions_x.T @ (weights[:, None] * pulled)
     energy = products**2 * (_relative(spectrum_x, most)[:, None] ** 2 + _relative(spectrum_y, most) ** 2)
     index_x, index_y = linear_sum_assignment(energy, maximize=True)

@@ -15,7 +15,7 @@ from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.spectral.block_lanczos import block_eigenpairs
 from qgeo_filters.spectral.canonical import canonical_signs, group_multiplets
-from qgeo_filters.validation import frozen, listed
+from qgeo_filters.validation import checked_count, frozen, listed
 
 #: Inner product of the eigenproblem: by the areas of the vertices, or the paper's plain one.
 Mass = Literal["area", "uniform"]
@@ -85,8 +85,7 @@ class Spectrum:
 
     def truncated(self, k: int) -> Spectrum:
         """Spectrum of the first k eigenpairs."""
-        if not 1 <= k <= self.k:
-            raise ParameterError(f"k must be between 1 and the {self.k} eigenpairs of this spectrum, got {k}")
+        checked_count(k, 1, self.k, "k", f"the {self.k} eigenpairs of this spectrum")
         return Spectrum(
             frozen(self.eigenvalues[:k].copy()),
             frozen(self.eigenfunctions[:, :k].copy()),
@@ -160,8 +159,7 @@ def check_mass(mass: str) -> None:
 
 def check_count(k: int, n: int) -> None:
     """Raise ValueError unless k eigenpairs can be had of n vertices."""
-    if not isinstance(k, (int, np.integer)) or not 1 <= k <= n:
-        raise ParameterError(f"k must be between 1 and the number of vertices, {n}, got {k!r}")
+    checked_count(k, 1, n, "k", f"the number of vertices, {n}")
 
 
 def check_areas(areas: FloatArray) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from shapes import grid
 
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.evaluation import ErrorSummary, error_curve, geodesic_error, mirrored, symmetric_errors
 from qgeo_filters.evaluation.tables import PairResult, Row, markdown, rows_by_category
 from qgeo_filters.surface import Surface
@@ -107,3 +108,14 @@ def test_rows_pool_pairs(square: Surface, flip: np.ndarray) -> None:
     assert len({line.count("|") for line in table}) == 1
     with pytest.raises(ValueError, match="no results"):
         Row.of("none", [])
+
+
+def test_workers_are_checked_and_change_nothing(square: Surface, flip: np.ndarray) -> None:
+    truth = np.arange(square.n_vertices)
+    found = [geodesic_error(flip, truth, square, workers=workers) for workers in (None, 1, 3)]
+    assert np.array_equal(found[0], found[1])
+    assert np.array_equal(found[0], found[2])
+    assert mirrored(flip, truth, flip, square, workers=2)
+    for given in (None, np.zeros((square.n_vertices,) * 2)):
+        with pytest.raises(ParameterError, match="workers must be at least 1, got 0"):
+            geodesic_error(flip, truth, square, matrix=given, workers=0)
