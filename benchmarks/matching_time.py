@@ -44,7 +44,7 @@ def main() -> None:
     print("| pair | vertices | descriptor of X | of Y | self-symmetry of Y | match |")
     print("| --- | ---: | ---: | ---: | ---: | ---: |")
     for pair in arguments.pairs:
-        (x, of_x), (y, of_y) = (timed(PreparedShape(data.read(name)).prepared) for name in pair.split("-"))
+        (x, of_x), (y, of_y) = (timed(PreparedShape(data.read(name)).prepare) for name in pair.split("-"))
         _, symmetry = timed(lambda y=y: self_symmetry(y))
         _, matching = timed(lambda x=x, y=y: match(x, y))
         print(f"| {pair} | {x.n_vertices}, {y.n_vertices} | {of_x} | {of_y} | {symmetry} | {matching} |", flush=True)

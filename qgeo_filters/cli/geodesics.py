@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 LARGEST_MATRIX = 8 << 30  # bytes
 # Rows of a matrix that are looked at together.
-_ROWS = 1024
+ROWS = 1024
 
 
 def distances(
@@ -145,8 +145,8 @@ def _measured(field: Any) -> tuple[dict[str, Any], np.ndarray]:
     count = field.shape[0]  # an array on disk has no len
     total, reached = np.empty(count), np.empty(count, dtype=np.int64)
     largest = 0.0
-    for first in range(0, count, _ROWS):
-        rows = np.asarray(field[first : first + _ROWS])
+    for first in range(0, count, ROWS):
+        rows = np.asarray(field[first : first + ROWS])
         finite = np.isfinite(rows)
         part = slice(first, first + len(rows))
         total[part] = rows.sum(axis=1, dtype=np.float64, where=finite)

@@ -78,7 +78,7 @@ def test_distances_from_sources_in_a_lifted_metric(qgeo: Qgeo, loaded: Loaded) -
 def test_distances_on_disk(qgeo: Qgeo, loaded: Loaded, monkeypatch: pytest.MonkeyPatch) -> None:
     zarr = pytest.importorskip("zarr")
     monkeypatch.setattr("qgeo_filters.cli.geodesics.LARGEST_MATRIX", 1000)
-    monkeypatch.setattr("qgeo_filters.cli.geodesics._ROWS", 50)
+    monkeypatch.setattr("qgeo_filters.cli.geodesics.ROWS", 50)
     command = ("distances", "blob.off", "--matrix", "d.zarr", "-w", 0.1)
     assert qgeo(*command).exit_code == 0
     content, arrays = loaded(Path("qgeo-out"))

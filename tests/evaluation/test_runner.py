@@ -97,7 +97,7 @@ def no_match(monkeypatch: pytest.MonkeyPatch) -> list[int]:
         return SimpleNamespace(p2p=np.arange(162), confident=True)
 
     monkeypatch.setattr(runner, "match", identity)
-    monkeypatch.setattr(PreparedShape, "prepared", lambda shape: shape)
+    monkeypatch.setattr(PreparedShape, "prepare", lambda shape: shape)
     return threads
 
 
