@@ -50,7 +50,7 @@ BAD = [
     (["path", "sphere.ply", "0"], "Missing argument 'J'"),
     (["path", "two.off", "0", "200"], "piece"),
     (["run", "nowhere.yaml", "sphere.ply"], "nowhere.yaml"),
-    (["run", "pipe.yaml", "sphere.ply"], "pipe.yaml: steps[0] names the unknown filter 'Magic'"),
+    (["run", "pipe.yaml", "sphere.ply"], "pipe.yaml: steps[0]: unknown filter 'Magic'"),
     (["run", "sphere.ply", "sphere.ply"], "sphere.ply"),
     (["info", "sphere.ply", "-o", "blob.off"], "not a folder"),
 ]
