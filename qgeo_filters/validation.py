@@ -26,7 +26,14 @@ def listed(indices: npt.ArrayLike, limit: int = 5) -> str:
 
 def checked_vertices(vertices: npt.ArrayLike) -> FloatArray:
     """Copy of the coordinates as (n, 3) float64, or `MeshError`."""
-    array = np.array(vertices, dtype=np.float64, order="C")
+    try:
+        given = np.asarray(vertices)
+        is_complex = given.dtype.kind == "c"
+        array = np.array(given.real if is_complex else given, dtype=np.float64, order="C")
+    except (TypeError, ValueError) as error:
+        raise MeshError(f"vertices must be numbers in rows of three: {error}") from error
+    if is_complex:
+        raise MeshError("vertices must be real numbers, got complex ones")
     if array.ndim != 2 or array.shape[1] != 3:
         raise MeshError(f"vertices must have shape (n, 3), got {array.shape}")
     if len(array) == 0:
@@ -45,7 +52,10 @@ def checked_vertices(vertices: npt.ArrayLike) -> FloatArray:
 
 def checked_faces(faces: npt.ArrayLike, n_vertices: int) -> IntArray:
     """Copy of the vertex indices as (m, 3) int32, or `MeshError`."""
-    array = np.asarray(faces)
+    try:
+        array = np.asarray(faces)
+    except ValueError as error:  # rows of different lengths
+        raise MeshError(f"faces must be whole numbers in rows of three: {error}") from error
     if array.ndim != 2 or array.shape[1] != 3:
         hint = " (quadrilaterals? triangulate the mesh first)" if array.ndim == 2 and array.shape[1] == 4 else ""
         raise MeshError(f"faces must have shape (m, 3), got {array.shape}{hint}")

@@ -151,6 +151,16 @@ def test_what_is_no_mesh_is_refused_in_one_sentence(name):
         CASES[name](3)
 
 
+@pytest.mark.parametrize("name", [name for name in CASES if name != "Surface"])
+def test_arrays_of_result_objects_are_read_only(name):
+    """What is kept, shared or called frozen must not be written to; bare arrays are the caller's own."""
+    result = CASES[name](SURFACE)
+    for part in result if isinstance(result, (list, tuple)) else [result]:
+        if dataclasses.is_dataclass(part):
+            for array in contents(part):
+                assert not (isinstance(array, np.ndarray) and array.flags.writeable)
+
+
 @pytest.mark.parametrize("function", [qg.distances, qg.quasi_geodesic, qg.DistanceOperator, qg.GeodesicSolver])
 def test_a_metric_made_from_one_pair_is_that_of_an_equal_pair_only(function):
     """A pair becomes a new `Surface` in every call, so that only the content can tell."""

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from shapes import bow_tie, fan, grid, icosphere
 
 from qgeo_filters.errors import DisconnectedError, MeshError, NonManifoldError
+from qgeo_filters.hosts.dispatch import as_surface
 from qgeo_filters.surface import Surface
 
 # -- immutability -------------------------------------------------------------------------------------
@@ -158,6 +159,13 @@ def changed(array, index, value, dtype=None):
         (np.empty((0, 3)), F, "the mesh has no vertices"),
         (V, np.empty((0, 3), int), "the mesh has no faces"),
         (V[:, :2], F, r"vertices must have shape \(n, 3\), got \(42, 2\)"),
+        ([[0, 0, 0], [1, 0]], F, "vertices must be numbers in rows of three: .*inhomogeneous"),
+        ("vertices", F, "vertices must be numbers in rows of three: could not convert"),
+        (None, F, r"vertices must have shape \(n, 3\)|vertices must be numbers"),
+        (V + 1j, F, "vertices must be real numbers, got complex ones"),
+        (V, [[0, 1, 2], [0, 1]], "faces must be whole numbers in rows of three: .*inhomogeneous"),
+        (V, "faces", r"faces must have shape \(m, 3\)"),
+        (V, F.astype(str), "faces must hold whole numbers"),
         (V.ravel(), F, r"vertices must have shape \(n, 3\), got \(126,\)"),
         (V, F[:, :2], r"faces must have shape \(m, 3\), got \(80, 2\)$"),
         (V, np.zeros((5, 4), int), r"got \(5, 4\) \(quadrilaterals\? triangulate the mesh first\)"),
@@ -177,6 +185,17 @@ def changed(array, index, value, dtype=None):
 def test_bad_arrays_are_named(vertices, faces, message):
     with pytest.raises(MeshError, match=message):
         Surface(vertices, faces)
+    with pytest.raises(MeshError, match=message):
+        as_surface((vertices, faces))
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces"),
+    [([[0, 0, 0], [1, 0]], F), ("vertices", F), (V, [[0, 1, 2], [0, 1]]), (V, "faces"), (V, F.astype(str))],
+)
+def test_what_is_no_array_is_refused_by_repair_too(vertices, faces):
+    with pytest.raises(MeshError, match=r"(vertices|faces) must"):
+        as_surface((vertices, faces), repair=True)
 
 
 @pytest.mark.parametrize("values", [np.zeros(41), np.zeros((3, 42)), 3.0])

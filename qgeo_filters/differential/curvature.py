@@ -17,6 +17,7 @@ from qgeo_filters.differential.coordinates import (
 from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.surface import Surface
+from qgeo_filters.validation import frozen
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +138,7 @@ def principal_curvatures(surface: SurfaceLike, radius: int = 5) -> PrincipalCurv
     d1, d2 = np.where(swap[:, None], d2, d1), np.where(swap[:, None], d1, d2)
     k1, k2 = (spread_to_neighbours(surface, k / unit, fitted) for k in (k1, k2))
     d1, d2 = (np.where(fitted[:, None], d, 0.0) for d in (d1, d2))
-    return PrincipalCurvatures(k1, k2, d1, d2, fitted)
+    return PrincipalCurvatures(*(frozen(values) for values in (k1, k2, d1, d2, fitted)))
 
 
 def from_inside(surface: Surface, values: FloatArray) -> FloatArray:

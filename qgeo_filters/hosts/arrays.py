@@ -46,8 +46,11 @@ def is_pair(obj: object) -> TypeGuard[tuple[Any, Any] | list[Any]]:
 
 
 def _split(vertices: Any, faces: Any, repair: bool) -> RawMesh:
-    faces = np.asarray(faces)
-    if repair and faces.ndim == 2 and faces.shape[1] > 3:
-        faces, notes = triangles(faces, repair)
-        return RawMesh(vertices, faces, notes=notes)
-    return RawMesh(vertices, faces)
+    try:
+        corners = np.asarray(faces)
+    except ValueError:  # rows of different lengths: whoever checks the arrays says so
+        return RawMesh(vertices, faces)
+    if repair and corners.ndim == 2 and corners.shape[1] > 3:
+        corners, notes = triangles(corners, repair)
+        return RawMesh(vertices, corners, notes=notes)
+    return RawMesh(vertices, corners)

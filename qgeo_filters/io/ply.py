@@ -20,6 +20,7 @@ import plyfile
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import MeshError
+from qgeo_filters.io.damage import DAMAGED_FILE
 from qgeo_filters.io.raw_mesh import RawMesh, triangles
 
 _MARK = "qgeo_attribute "
@@ -90,7 +91,7 @@ def _parsed(path: Path) -> plyfile.PlyData:
             return plyfile.PlyData.read(path, known_list_len={"face": dict.fromkeys(_corner_name(path), 3)})
         except plyfile.PlyElementParseError:
             return plyfile.PlyData.read(path)
-    except (plyfile.PlyParseError, ValueError, UnicodeDecodeError, KeyError) as error:
+    except (plyfile.PlyParseError, *DAMAGED_FILE) as error:
         raise MeshError(f"not a readable PLY file ({error})") from error
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import MeshError, require_package
+from qgeo_filters.io.damage import DAMAGED_FILE
 from qgeo_filters.io.raw_mesh import RawMesh, weld
 from qgeo_filters.triangle_geometry import face_crosses, unit_normals
 
@@ -48,7 +49,7 @@ def read_glb(path: Path, repair: bool) -> RawMesh:
     try:
         scene = trimesh.load_scene(path, process=False)
         mesh = scene.to_mesh()
-    except Exception as error:  # the reader raises whatever the damage happens to trigger
+    except DAMAGED_FILE as error:
         raise MeshError(f"not a readable glTF file ({error or type(error).__name__})") from error
     if len(mesh.faces) == 0:
         raise MeshError("the scene has no triangles")

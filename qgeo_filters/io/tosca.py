@@ -11,7 +11,10 @@ import scipy.io
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.atomic import atomic_path
 from qgeo_filters.errors import MeshError
+from qgeo_filters.io.damage import DAMAGED_FILE
 from qgeo_filters.io.raw_mesh import RawMesh
+
+_MAT_ERRORS: tuple[type[Exception], ...] = (scipy.io.matlab.MatReadError, *DAMAGED_FILE)
 
 
 def read_pair(path: Path, repair: bool) -> RawMesh:
@@ -29,7 +32,7 @@ def read_mat(path: Path, repair: bool) -> RawMesh:
         content = scipy.io.loadmat(path, squeeze_me=True, struct_as_record=False)
     except NotImplementedError as error:
         raise MeshError("MATLAB 7.3 files are not read; save with -v7") from error
-    except Exception as error:  # scipy raises what the damage happens to trigger
+    except _MAT_ERRORS as error:
         raise MeshError(f"not a readable MATLAB file ({error})") from error
     candidates = [content, *(vars(value) for value in content.values() if hasattr(value, "_fieldnames"))]
     for fields in candidates:

@@ -81,8 +81,11 @@ def repaired_mesh(raw: RawMesh) -> RepairedMesh:
 
 def _arrays(raw: RawMesh) -> tuple[FloatArray, IntArray]:
     """Arrays of the right shape; what no repair can make sense of is refused as always."""
-    vertices = np.array(raw.vertices, dtype=np.float64)
-    faces = np.asarray(raw.faces)
+    try:
+        vertices, faces = np.array(raw.vertices, dtype=np.float64), np.asarray(raw.faces)
+    except (TypeError, ValueError):
+        checked_faces(raw.faces, len(checked_vertices(raw.vertices)))  # raises, with the reason
+        raise
     whole = faces.dtype.kind in "iu" or (faces.dtype.kind == "f" and bool(np.all(faces == np.floor(faces))))
     if (
         len(vertices) == 0
