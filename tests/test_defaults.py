@@ -78,4 +78,4 @@ def test_sliders_begin_at_the_shared_defaults() -> None:
     from qgeo_widgets.symmetry_widget import SymmetryWidget
 
     assert SymmetryWidget.k0.default_value == SymmetryWidget.k0.max == defaults.SYMMETRY_K0
-    assert GeodesicsWidget.weight.default_value == defaults.CURVATURE_WEIGHT
+    assert GeodesicsWidget.curvature_weight.default_value == defaults.CURVATURE_WEIGHT

@@ -133,7 +133,7 @@ def test_geodesics_by_mouse(notebook, page, pair):
     handle = page.locator(".widget-slider:visible .noUi-handle").first
     for _ in range(10):
         handle.press("ArrowRight")
-    tools.until(lambda: float(book.python("print(w.weight)")) > 0.04)
+    tools.until(lambda: float(book.python("print(w.curvature_weight)")) > 0.04)
     assert float(book.python("print(w.path.length)")) > length
 
 

@@ -57,7 +57,7 @@ def test_more_weight_leads_the_path_around_a_bump_of_the_scalar():
     widget = qw.geodesics((vertices, faces), *map(int, ends), scalar=bump, curvature_weight=0.0)
     lengths, climbs, nearest = [], [], []
     for weight in (0.0, 0.05, 0.3):
-        widget.weight = weight
+        widget.curvature_weight = weight
         path = widget.path
         assert path.converged
         values = np.einsum("pi,pi->p", bump[np.asarray(faces)[path.faces]], path.barycentric)
@@ -94,9 +94,17 @@ def test_distance_follows_the_weight(widget, surface):
     widget.source = 10
     widget.mode = names.DISTANCE
     first = widget._field.values[0]
-    widget.weight = 0.3
+    widget.curvature_weight = 0.3
     assert (widget._field.values[0] >= first - 1e-9).all()
     assert widget._field.values[0].max() > 1.2 * first.max()
+
+
+def test_the_old_name_of_the_weight_is_taken_with_a_warning(widget):
+    with pytest.warns(DeprecationWarning, match="weight is now called curvature_weight"):
+        widget.weight = 0.2
+    assert widget.curvature_weight == 0.2
+    with pytest.warns(DeprecationWarning, match="curvature_weight"):
+        assert widget.weight == 0.2
 
 
 def test_source_equal_to_target_and_bad_vertices(widget):
@@ -134,7 +142,7 @@ def test_distance_without_a_source_asks_for_one(widget):
 
 def test_closing_frees_everything(surface, counted):
     widget = qw.geodesics(surface, 10, 600)
-    widget.weight = 0.1
+    widget.curvature_weight = 0.1
     assert counted() > 50
     widget.close()
     assert counted() == 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from functools import partial
 from typing import Any
 
@@ -36,7 +37,7 @@ class GeodesicsWidget(ShapeWidget):
     ----------
     source, target : int or None
         Ends of the path. Clicks set them in turn.
-    weight : float
+    curvature_weight : float
         The curvature's weight in the metric; 0 gives the surface's own geodesics.
     before : bool
         Whether the first path, along edges, is shown too.
@@ -49,7 +50,7 @@ class GeodesicsWidget(ShapeWidget):
     _page_title = "A quasi-geodesic"
     source = traitlets.Int(None, allow_none=True)
     target = traitlets.Int(None, allow_none=True)
-    weight = traitlets.Float(CURVATURE_WEIGHT, min=0.0)
+    curvature_weight = traitlets.Float(CURVATURE_WEIGHT, min=0.0)
     before = traitlets.Bool(True)
     place = traitlets.Float(0.5, min=0.0, max=1.0)
     path = traitlets.Instance(GeodesicPath, allow_none=True, read_only=True)
@@ -64,7 +65,7 @@ class GeodesicsWidget(ShapeWidget):
             surface = self._shape.surface
             self._scalar = surface_scalar(surface, scalar)
             self._distances: tuple[tuple[int, float], npt.NDArray[np.float64]] | None = None
-            self.weight = curvature_weight
+            self.curvature_weight = curvature_weight
             viewer = Viewer([surface], [placement_of(surface)], size, [f"<b>shape</b>, {surface.n_vertices} vertices"])
             self._modes = {SCALAR: self._scalar_field, DISTANCE: self._distance_field}
             for name in surface.attributes:
@@ -81,16 +82,27 @@ class GeodesicsWidget(ShapeWidget):
             self._plot = ipywidgets.VBox(
                 [title, self._chart, cursor], layout={"display": "none", "overflow": "visible"}
             )
-            traitlets.link((self, "weight"), (weight, "value"))
+            traitlets.link((self, "curvature_weight"), (weight, "value"))
             traitlets.link((self, "before"), (before, "value"))
             traitlets.link((self, "place"), (cursor, "value"))
             viewer.widget.children = [*viewer.widget.children, self._plot]
             viewer.on_pick(self._clicked)
             self._assemble(viewer, ["shape"], SCALAR, beside=[weight, before])
-            self.observe(lambda _: self._find(), ["source", "target", "weight", "before"])
+            self.observe(lambda _: self._find(), ["source", "target", "curvature_weight", "before"])
             self.observe(lambda _: self._show_place(), "place")
             self.source, self.target = source, target
             self._find()
+
+    @property
+    def weight(self) -> float:
+        """Old name of `curvature_weight`, for one more release."""
+        _warn_of_the_old_name()
+        return float(self.curvature_weight)
+
+    @weight.setter
+    def weight(self, value: float) -> None:
+        _warn_of_the_old_name()
+        self.curvature_weight = value
 
     def _columns(self, mode: str) -> int:
         return self._shape.columns(mode.removeprefix(ATTRIBUTE)) if mode.startswith(ATTRIBUTE) else 1
@@ -136,7 +148,7 @@ class GeodesicsWidget(ShapeWidget):
     def _found(self) -> GeodesicPath | None:
         if self.source is None or self.target is None:
             return None
-        metric = self._shape.metric_of_weight(self.weight)
+        metric = self._shape.metric_of_weight(self.curvature_weight)
         return quasi_geodesic(self._shape.surface, self.source, self.target, metric, initial="edges")
 
     def _show_path(self) -> None:
@@ -193,15 +205,25 @@ class GeodesicsWidget(ShapeWidget):
 
     def _distance_field(self, k: int) -> Field:
         source = chosen(self.source)
-        key = source, self.weight
+        key = source, self.curvature_weight
         if self._distances is None or self._distances[0] != key:
-            metric = self._shape.metric_of_weight(self.weight)
+            metric = self._shape.metric_of_weight(self.curvature_weight)
             row = distances(self._shape.surface, [source], metric)[0] / self._shape.unit
             self._distances = key, row
-        return ScalarField([self._distances[1]], f"distance from vertex {source} at λ = {self.weight:.3f} / √area")
+        return ScalarField(
+            [self._distances[1]], f"distance from vertex {source} at λ = {self.curvature_weight:.3f} / √area"
+        )
 
     def _attribute_field(self, name: str, k: int) -> Field:
         return number_field([self._shape.attribute(name, k)], name)
 
     def _page_extras(self) -> dict[str, Any]:
         return {"info": self._info.value + (self._chart.value if self.path is not None else "")}
+
+
+def _warn_of_the_old_name() -> None:
+    warnings.warn(
+        "GeodesicsWidget: weight is now called curvature_weight; the old name goes with the next release",
+        DeprecationWarning,
+        stacklevel=3,
+    )
