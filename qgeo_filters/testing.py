@@ -146,7 +146,9 @@ def _declared_outputs(filter: Filter, surface: Surface) -> None:
     _require(set(result) == set(filter.outputs), f"{kind}: outputs declares {set(filter.outputs)}, made {set(result)}")
     for name, values in result.items():
         _require(len(values) == surface.n_vertices, f"{kind}: {name} has {len(values)} rows")
-        _require(not np.isnan(np.asarray(values, dtype=float)).any(), f"{kind}: {name} holds NaN")
+        announced = "NaN" in filter.outputs[name]
+        holds = bool(np.isnan(np.asarray(values, dtype=float)).any())
+        _require(announced or not holds, f"{kind}: {name} holds NaN, of which outputs says nothing")
     _require(filter.index_outputs <= set(filter.outputs), f"{kind}: index_outputs names what outputs does not")
 
 

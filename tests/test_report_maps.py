@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 from shapes import icosphere
 
+from qgeo_filters.errors import ParameterError
+from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.report.curves import plot_error_curve, plot_histogram, plot_pairwise
 from qgeo_filters.report.maps import plot_poses, plot_region_pair, plot_sides, view_alike
+from qgeo_filters.report.match_log import plot_match_log
 from qgeo_filters.report.view import best_view
 from qgeo_filters.surface import Surface
 
@@ -82,3 +85,28 @@ def test_pairwise() -> None:
     assert [text.get_text() for text in axes.texts] == ["0", "2", "2", "0"]
     with pytest.raises(ValueError, match="3 names"):
         plot_pairwise(np.eye(2), ["a", "b", "c"], "C_XY")
+
+
+def test_the_log_of_a_match_has_a_row_for_each_map_with_its_fate() -> None:
+    log = MatchLog()
+    for k in range(30):
+        log.propose(f"somebody {k}", 0.01 * (k + 1), orientation=0.9 if k % 3 else -0.9)
+    for k in range(4):
+        log.note(k, preview_cost=10.0**k)
+    log.note(0, end_cost=2.0)
+    log.note(1, end_cost=1.0)
+    log.drop(7, "a rule whose name is so long that it does not fit beside the picture at all, as may happen")
+    log.choose(1)
+    figure = plot_match_log(log, most=12)
+    left, costs, right = figure.axes
+    assert [label.get_text() for label in left.get_yticklabels()][:2] == ["#1", "#0"]
+    fates = [text.get_text() for text in right.texts]
+    assert len(fates) == 12
+    assert fates[0] == "chosen"
+    assert fates[1] == "costs more at the end than #1"
+    assert any(fate.endswith("…") for fate in (text.get_text() for text in plot_match_log(log, most=30).axes[2].texts))
+    # Multiples of the least cost: of the preview, #0's, and of the end, the chosen one's.
+    ratios = np.concatenate([points.get_offsets()[:, 0] for points in costs.collections])
+    assert sorted(ratios) == pytest.approx([1, 1, 2, 10, 100, 1000])
+    with pytest.raises(ParameterError, match="no maps"):
+        plot_match_log(MatchLog())

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from qgeo_filters.cli.job import Job
     from qgeo_filters.matching.correspondence import MatchResult
+    from qgeo_filters.matching.match_log import MatchLog
     from qgeo_filters.surface import Surface
 
 
@@ -44,7 +45,8 @@ def match(
 
     result.npz: p2p (n_X,), score, runner_up, inverse (n_Y,), functional_map (20, 20), distortion (n_X,),
     regions_x (n_X,), regions_y (n_Y,), corners (n_X, 3) and barycentric (n_X, 3), the vertices of a triangle of Y and
-    the place within it, finer than p2p, and errors (n_X,) with --truth.
+    the place within it, finer than p2p, and errors (n_X,) with --truth. match_log.md: every map that was proposed,
+    what it cost, and which rule dropped it.
     """
     import numpy as np
 
@@ -64,7 +66,7 @@ def match(
         with job.stage(f"spectra of {name}"):
             prepared.append(stages.prepared_shape_of(shape, job.progress))
     with job.stage("match"):
-        found = stages.correspondence_of(*shapes, normalize, job.progress)
+        found, log = stages.logged_correspondence_of(*shapes, normalize, job.progress)
     arrays = {
         "p2p": found.p2p,
         "score": np.float64(found.score),
@@ -95,7 +97,9 @@ def match(
         shapes[0].with_attributes(attributes),
         shapes[1].with_attributes({"qgeo_region": found.regions_y}),
     )
+    job.text("match_log.md", f"{log}\n")
     draw_match(job, *shapes, found, errors)
+    draw_log(job, log)
     job.finish()
 
 
@@ -138,7 +142,7 @@ def match_results(found: MatchResult) -> dict[str, Any]:
     return {
         "confident": found.confident,
         "explanation": found.explanation,
-        "distortion": found.score,
+        "score": found.score,
         "largest_distortion": float(found.distortion.max()),
         "runner_up": found.runner_up,
         "margin": found.margin,
@@ -158,6 +162,18 @@ def error_results(errors: np.ndarray) -> dict[str, Any]:
         f"percent_within_{threshold:g}": 100 * share for threshold, share in zip(THRESHOLDS, summary.below, strict=True)
     }
     return {"mean_error": summary.mean, "median_error": summary.median, "max_error": summary.maximum, **shares}
+
+
+def draw_log(job: Job, log: MatchLog) -> None:
+    """Picture of the maps that were proposed."""
+    from qgeo_filters.report.match_log import plot_match_log
+
+    job.picture(
+        "match_log",
+        "The maps that were proposed, the chosen one first: how much they distort distances, what deforming X along "
+        "them costs, and which rule dropped them (all of them: match_log.md).",
+        partial(plot_match_log, log),
+    )
 
 
 def draw_match(job: Job, x: Surface, y: Surface, found: MatchResult, errors: np.ndarray | None) -> None:

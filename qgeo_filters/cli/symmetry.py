@@ -71,7 +71,7 @@ def symmetry(
 
     result.npz: found, symmetry (n,), side (n,), asymmetry (n,), nearest (n,), symmetry_sum (n,), regions (n,),
     eigenvalues (k0,), eigenfunctions (n, k0), areas (n,). Where no symmetry was found, found is False, symmetry the
-    identity, and side and asymmetry are 0.
+    identity, side 0 and asymmetry NaN.
     """
     from qgeo_filters.cli.job import Job
     from qgeo_filters.filters import stages

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import igl
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from qgeo_filters._typing import FloatArray, IntArray
+from qgeo_filters.cholesky import factorised_spd
 from qgeo_filters.deformation.arap_sums import covariances, rotated_edge_sums, rotation_misfit
 from qgeo_filters.deformation.fit_rotations import fit_rotations
 
@@ -72,7 +72,7 @@ class ArapSolver:
         self._factors: OrderedDict[Hashable, Solve] = OrderedDict()
 
     def __getstate__(self) -> dict[str, object]:
-        # SuperLU's factors cannot be pickled.
+        # Factorisations cannot be pickled.
         return {**self.__dict__, "_factors": OrderedDict()}
 
     @property
@@ -83,14 +83,11 @@ class ArapSolver:
     def prefactor(self, pull: Pull) -> Solve:
         """Solver of the positions for right-hand sides (n, 3), factorised once for each pull.
 
-        Call it in the thread that calls `release`: SciPy leaks the memory of a factorisation that is made in one
-        thread and dropped in another one. The solver that it returns may be called in any.
+        Call it in the thread that calls `release`, see `cholesky`; the solver that it returns may be called in any.
         """
         solve = self._factors.pop(pull.key, None)
         if solve is None:
-            matrix = sparse.csc_matrix(self._laplacian + sparse.diags_array(pull.values))
-            options = {"SymmetricMode": True}
-            solve = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options).solve
+            solve = factorised_spd(sparse.csc_matrix(self._laplacian + sparse.diags_array(pull.values)))
         self._factors[pull.key] = solve
         if len(self._factors) > _FACTORS:
             self._factors.popitem(last=False)

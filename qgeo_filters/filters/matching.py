@@ -45,7 +45,8 @@ class SelfSymmetry(MetricFilter):
     outputs = {
         "qgeo_symmetry": "(n,) int: vertex at the mirror point, an involution; itself on the axis or if there is none",
         "qgeo_side": "(n,) int32: 1 and -1 on the two sides, 0 on the axis",
-        "qgeo_asymmetry": "(n,), sqrt(area): mean difference of distances from the point and from its mirror point",
+        "qgeo_asymmetry": "(n,), sqrt(area): mean difference of distances from the point and from its mirror point; "
+        "NaN if there is none",
         "qgeo_symmetry_sum": "(n,), no unit: sum of eq. (3); mirror images have nearly equal values",
         "qgeo_symmetry_region": "(n,) int32 from 0: band of equal area of that sum",
     }

@@ -40,7 +40,7 @@ def test_match(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> None:
     found = content["results"]
     np.testing.assert_array_equal(arrays["p2p"], truth)
     assert arrays["p2p"].dtype.kind == "i"
-    assert arrays["score"] == found["distortion"] < 1e-5
+    assert arrays["score"] == found["score"] < 1e-5
     assert arrays["runner_up"] > arrays["score"]
     assert arrays["functional_map"].shape == (20, 20)
     assert found["confident"] is True
@@ -61,8 +61,13 @@ def test_match(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> None:
         "distortion_histogram.png",
         "errors.png",
         "error_curve.png",
+        "match_log.png",
+        "match_log.md",
     }
     assert pictures <= set(content["files"])
+    rows = Path("qgeo-out/match_log.md").read_text().splitlines()
+    assert rows[2].endswith("| chosen |")
+    assert len(rows) > 4
 
 
 def test_errors_are_measured_on_y(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> None:

@@ -40,7 +40,7 @@ def test_nothing_is_factorised_in_a_thread(
     def forbidden(*_: object, **__: object) -> None:
         raise AssertionError("factorised while maps are tried side by side")
 
-    monkeypatch.setattr(arap, "splu", forbidden)
+    monkeypatch.setattr(arap, "factorised_spd", forbidden)
     found = register(problem, np.arange(x.n_vertices), schedule, solvers)
     off = np.linalg.norm(found.positions - y.unit.vertices, axis=1)
     assert off.mean() < 0.05
