@@ -66,6 +66,8 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .matching.correspondence import match as match
     from .matching.maps.barycentric import BarycentricMap as BarycentricMap
     from .matching.maps.barycentric import barycentric_map as barycentric_map
+    from .matching.match_log import MatchLog as MatchLog
+    from .matching.parameters import MatchingParameters as MatchingParameters
     from .matching.prepared_shape import PreparedShape as PreparedShape
     from .matching.symmetry import Symmetry as Symmetry
     from .matching.symmetry import self_symmetry as self_symmetry
@@ -124,6 +126,8 @@ _HOME = {
     "Symmetry": "matching.symmetry",
     "match": "matching.correspondence",
     "MatchResult": "matching.correspondence",
+    "MatchLog": "matching.match_log",
+    "MatchingParameters": "matching.parameters",
     "PreparedShape": "matching.prepared_shape",
     "barycentric_map": "matching.maps.barycentric",
     "BarycentricMap": "matching.maps.barycentric",

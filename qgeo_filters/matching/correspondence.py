@@ -192,7 +192,7 @@ def competing_candidates(problem: MatchProblem) -> tuple[list[Candidate], bool]:
     mirrored = not kept or (
         # Not one of the maps in the right hand is nearly as good: Y is the mirror image of something asymmetric.
         bool(reversing)
-        and min(c.distortion for c in reversing) < given.mirror_image_ratio * min(c.distortion for c in kept)
+        and min(c.mean_distortion for c in reversing) < given.mirror_image_ratio * min(c.mean_distortion for c in kept)
     )
     for c in kept if mirrored else reversing:
         log.drop(c.number, "keeps the orientation, but not distances" if mirrored else "reverses the orientation")

@@ -20,7 +20,7 @@ class LoggedMap:
         In the order of proposal, from 0.
     proposed_by : str
         Which part of the search, in which metric, or of which map it is the mirrored one.
-    distortion : float
+    mean_distortion : float
         Mean |d_X(p, q) - d_Y(Tp, Tq)| in units of sqrt(area), as last measured.
     orientation : float, optional
         See `orientation`.
@@ -34,7 +34,7 @@ class LoggedMap:
 
     number: int
     proposed_by: str
-    distortion: float
+    mean_distortion: float
     orientation: float | None = None
     strain: float | None = None
     torn: float | None = None
@@ -110,7 +110,7 @@ class MatchLog:
                 return 0, 0.0
             if entry.end_cost is not None:
                 return 1, entry.end_cost
-            return (2, entry.preview_cost) if entry.preview_cost is not None else (3, entry.distortion)
+            return (2, entry.preview_cost) if entry.preview_cost is not None else (3, entry.mean_distortion)
 
         return sorted(self.maps, key=key)
 

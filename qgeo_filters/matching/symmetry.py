@@ -143,7 +143,7 @@ def _found(problem: MatchProblem, tolerance: float) -> Symmetry:
         return _none(x, "no map of the shape to its mirror image keeps distances even roughly")
     decision = choose_reflection(problem, reflections)
     margin = decision.margin
-    if margin < given.margin and decision.distortion < tolerance:
+    if margin < given.margin and decision.mean_distortion < tolerance:
         return _none(
             x,
             f"different reflections keep distances and shape about equally well (costs within {margin:.2f}): either "

@@ -53,10 +53,10 @@ def _distortions(axes: Axes, shown: list[LoggedMap]) -> None:
         # The open ones reverse the orientation.
         filled = entry.orientation is None or entry.orientation > 0
         face = _color(entry) if filled else "none"
-        axes.plot([0, entry.distortion], [row, row], color=_color(entry), linewidth=0.8)
-        axes.plot(entry.distortion, row, "o", markersize=5, color=_color(entry), markerfacecolor=face)
-    axes.set_xlim(0, 1.08 * max(entry.distortion for entry in shown) or 1.0)
-    axes.set_xlabel("distortion (√area); open: reverses the orientation")
+        axes.plot([0, entry.mean_distortion], [row, row], color=_color(entry), linewidth=0.8)
+        axes.plot(entry.mean_distortion, row, "o", markersize=5, color=_color(entry), markerfacecolor=face)
+    axes.set_xlim(0, 1.08 * max(entry.mean_distortion for entry in shown) or 1.0)
+    axes.set_xlabel("distortion (√area)\nopen: reverses the orientation")
 
 
 def _costs(axes: Axes, shown: list[LoggedMap]) -> None:

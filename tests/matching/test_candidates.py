@@ -67,7 +67,7 @@ def test_the_twin_of_a_candidate_is_its_mirror_image(of_y: bool) -> None:
     reversing = next(c for c in found() if c.orientation < 0)
     twin = mirrored_map(pair(), reversing, self_symmetry(y if of_y else x).nearest, of_y=of_y)
     assert twin.orientation == -reversing.orientation
-    assert twin.distortion == pytest.approx(reversing.distortion, abs=0.02)
+    assert twin.mean_distortion == pytest.approx(reversing.mean_distortion, abs=0.02)
     assert landmark_lower_bound(y, twin.p2p, mapped_points(pair())).mean() < 0.06
 
 

@@ -26,7 +26,7 @@ class Candidate:
     ----------
     p2p : (s,) int
         Vertex of Y for each of X's `mapped_points`.
-    distortion : float
+    mean_distortion : float
         See `mean_distortion`.
     orientation : float
         See `orientation`; over some of the triangles.
@@ -35,7 +35,7 @@ class Candidate:
     """
 
     p2p: IndexArray
-    distortion: float
+    mean_distortion: float
     orientation: float
     number: int
 
@@ -55,11 +55,11 @@ def candidates(problem: MatchProblem) -> list[Candidate]:
     # For a reflection, what is left near the identity may keep distances better than any reflection does.
     bound = np.inf
     if hypotheses and not problem.reflection:
-        least = max(hypotheses[0].distortion, given.candidate_floor)
+        least = max(hypotheses[0].mean_distortion, given.candidate_floor)
         bound = given.candidate_ratio * least + given.ratio_slack
-    worth = [h for h in hypotheses if h.distortion <= bound]
+    worth = [h for h in hypotheses if h.mean_distortion <= bound]
     for h in hypotheses:
-        if h.distortion > bound:
+        if h.mean_distortion > bound:
             log.drop(h.number, f"distorts distances by more than {bound:.3f}")
     guesses = extrema_maps(problem)
     points, triangles = mapped_points(problem), _largest_triangles(problem.x, given.candidate_triangles)
@@ -72,9 +72,9 @@ def candidates(problem: MatchProblem) -> list[Candidate]:
 
     tasks = [(h.number, partial(zoomout_lift, problem, h, vertices)) for h in worth]
     tasks += [(guess.number, partial(laplacian_lift, problem, guess, vertices)) for guess in guesses]
-    found = sorted(concurrently(lambda task: measured(task[0], task[1]()), tasks), key=lambda c: c.distortion)
+    found = sorted(concurrently(lambda task: measured(task[0], task[1]()), tasks), key=lambda c: c.mean_distortion)
     for c in found:
-        log.note(c.number, distortion=c.distortion, orientation=c.orientation)
+        log.note(c.number, mean_distortion=c.mean_distortion, orientation=c.orientation)
     one_sided = [c for c in found if abs(c.orientation) > given.one_sided]
     for c in found if one_sided else ():
         if abs(c.orientation) <= given.one_sided:

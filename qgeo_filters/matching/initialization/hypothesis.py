@@ -17,7 +17,7 @@ class Hypothesis:
         Vertices of X.
     p2p : (s,) int
         Vertex of Y for each of them.
-    distortion : float
+    mean_distortion : float
         Mean |d_X(p, q) - d_Y(Tp, Tq)| over them, in units of sqrt(area), in the first metric.
     metric : int
         Whose eigenfunctions proposed it; 0 for what only distances proposed.
@@ -27,6 +27,6 @@ class Hypothesis:
 
     points: IndexArray
     p2p: IndexArray
-    distortion: float
+    mean_distortion: float
     metric: int
     number: int

@@ -23,7 +23,7 @@ class Contender:
     Attributes
     ----------
     dense : DenseMap
-    distortion : float
+    mean_distortion : float
         See `mean_distortion`.
     strain : float
         What is not rigid of the deformation of X along the map, see `ArapSolver.energy`.
@@ -43,7 +43,7 @@ class Contender:
     """
 
     dense: DenseMap
-    distortion: float
+    mean_distortion: float
     strain: float
     torn: float
     folded: float

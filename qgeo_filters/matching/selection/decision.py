@@ -25,7 +25,7 @@ class Decision:
     Attributes
     ----------
     dense : DenseMap
-    distortion : float
+    mean_distortion : float
         See `mean_distortion`.
     margin : float
         How many times its cost the next different contender's is; inf if there is none.
@@ -34,7 +34,7 @@ class Decision:
     """
 
     dense: DenseMap
-    distortion: float
+    mean_distortion: float
     margin: float
     runner_up: float
 
@@ -75,14 +75,14 @@ def previewed(problem: MatchProblem, pool: list[Candidate]) -> list[Contender]:
     in between. The maps must keep the orientation.
     """
     given, log = problem.parameters, problem.log
-    ranked = sorted(pool, key=lambda c: c.distortion)
-    bound = given.preview_ratio * ranked[0].distortion + given.ratio_slack
+    ranked = sorted(pool, key=lambda c: c.mean_distortion)
+    bound = given.preview_ratio * ranked[0].mean_distortion + given.ratio_slack
     tried: list[Candidate] = []
     for c in ranked:
         like = next((t for t in tried if not _differ(problem, c, t)), None)
         if like is not None:
             log.drop(c.number, f"the same map as #{like.number}")
-        elif c.distortion > bound:
+        elif c.mean_distortion > bound:
             log.drop(c.number, f"distorts distances by more than {bound:.3f}")
         elif len(tried) == given.preview_count:
             log.drop(c.number, f"not among the {given.preview_count} that distort least")
@@ -135,7 +135,7 @@ def _settled(problem: MatchProblem, ranked: list[Contender], apart: float) -> tu
     others = [c for c in ranked if not any(c is t for t in close)]
     rivals += [(c.cost / preview.cost, c) for c in others if _gap(problem, c, best) > apart]
     margin, rival = min(rivals, key=lambda pair: pair[0], default=(np.inf, None))
-    return best, margin, rival.distortion if rival else np.inf
+    return best, margin, rival.mean_distortion if rival else np.inf
 
 
 def _with_parts_turned(problem: MatchProblem, best: Contender) -> Contender:
@@ -156,7 +156,7 @@ def _with_parts_turned(problem: MatchProblem, best: Contender) -> Contender:
 
 def _finished(problem: MatchProblem, best: Contender, margin: float, runner_up: float) -> Decision:
     dense = register(problem, best.dense.p2p, Schedule.of(problem, problem.parameters.final))
-    return Decision(dense, best.distortion, margin, runner_up)
+    return Decision(dense, best.mean_distortion, margin, runner_up)
 
 
 def _differ(problem: MatchProblem, one: Candidate, other: Candidate) -> bool:
@@ -170,6 +170,6 @@ def _gap(problem: MatchProblem, one: Contender, other: Contender) -> float:
 
 def _note(problem: MatchProblem, c: Contender, **costs: float) -> None:
     problem.log.note(
-        c.number, distortion=c.distortion, strain=c.strain, torn=c.torn, folded=c.folded,
+        c.number, mean_distortion=c.mean_distortion, strain=c.strain, torn=c.torn, folded=c.folded,
         hks_agreement=c.hks_agreement, curvature_agreement=c.curvature_agreement, **costs,
     )  # fmt: skip
