@@ -66,7 +66,7 @@ def match(
         with job.stage(f"spectra of {name}"):
             prepared.append(stages.prepared_shape_of(shape, job.progress))
     with job.stage("match"):
-        found, log = stages.logged_correspondence_of(*shapes, normalize, job.progress)
+        found = stages.correspondence_of(*shapes, normalize, job.progress)
     arrays = {
         "p2p": found.p2p,
         "score": np.float64(found.score),
@@ -97,9 +97,9 @@ def match(
         shapes[0].with_attributes(attributes),
         shapes[1].with_attributes({"qgeo_region": found.regions_y}),
     )
-    job.text("match_log.md", f"{log}\n")
+    job.text("match_log.md", f"{found.log}\n")
     draw_match(job, *shapes, found, errors)
-    draw_log(job, log)
+    draw_log(job, found.log)
     job.finish()
 
 

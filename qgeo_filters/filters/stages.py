@@ -19,7 +19,6 @@ from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.methods import method_named
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.matching.correspondence import MatchResult, match
-from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape, check_same_size
 from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
@@ -124,18 +123,11 @@ def correspondence_of(
     x: Surface, y: Surface, normalize: bool, progress: bool = False, workers: int | None = None
 ) -> MatchResult:
     """Correspondence of two surfaces, see `match`."""
-    return logged_correspondence_of(x, y, normalize, progress, workers)[0]
-
-
-def logged_correspondence_of(
-    x: Surface, y: Surface, normalize: bool, progress: bool = False, workers: int | None = None
-) -> tuple[MatchResult, MatchLog]:
-    """Correspondence of two surfaces and every map that was proposed, see `match`."""
     if not normalize:
         check_same_size(x, y)  # before shapes are prepared
 
-    def compute() -> tuple[MatchResult, MatchLog]:
-        return match(prepared_shape_of(x, progress), prepared_shape_of(y, progress), normalize=normalize, log=True)
+    def compute() -> MatchResult:
+        return match(prepared_shape_of(x, progress), prepared_shape_of(y, progress), normalize=normalize)
 
     key = content_key("correspondence", x.vertices, x.faces, y.vertices, y.faces, normalize, MatchingParameters())
     return _kept(key, compute, workers=workers)

@@ -64,6 +64,8 @@ class MatchResult:
         X deformed onto Y, in Y's frame and unit.
     barycentric : BarycentricMap
         Point within a triangle of Y for each vertex of X: that nearest to its position, near its vertex.
+    log : MatchLog
+        Every map that was proposed, and what became of it: why this one was chosen.
     """
 
     p2p: IndexArray
@@ -82,6 +84,7 @@ class MatchResult:
     regions_y: npt.NDArray[np.int32]
     positions: FloatArray
     barycentric: BarycentricMap
+    log: MatchLog
 
 
 @overload
@@ -170,7 +173,7 @@ def match(
         decision = choose_map(problem.with_mirrored_y() if mirrored else problem, pool)
         _next(bar, "matched")
         result = _described(problem, decision, mirrored)
-    return (result, problem.log) if log else result
+    return (result, result.log) if log else result
 
 
 def _next(bar: tqdm, stage: str) -> None:
@@ -230,6 +233,7 @@ def _described(problem: MatchProblem, decision: Decision, mirrored: bool) -> Mat
         regions_y=frozen(regions_y),
         positions=frozen(positions),
         barycentric=barycentric_map(positions, p2p, y.surface),
+        log=problem.log,
     )
 
 
