@@ -119,11 +119,12 @@ def test_what_belongs_to_a_shape_is_computed_once(qgeo: Qgeo, monkeypatch: pytes
         stages, "distance_matrix", lambda *args, **options: measured.append(1) or measure(*args, **options)
     )
     cache.clear()
+    before = cache.max_bytes
     cache.configure(max_bytes=max_bytes)
     try:
         result = qgeo("match", "mirror.off", "mirror.off", "--no-pictures")
     finally:
-        cache.configure()
+        cache.configure(max_bytes=before)
     assert result.exit_code == 0, result.stderr
     assert len(searched) == 1
     assert len(measured) == 3  # one for each metric that proposes maps
