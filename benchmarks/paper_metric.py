@@ -3,10 +3,10 @@
     python benchmarks/paper_metric.py ROOT --out metrics.jsonl [--pairs 15] [--categories cat dog] [--weights .01 .03]
 
 ROOT holds TOSCA's ``remeshed``, ``ground_truth`` and ``symmetry``. For each pair of poses and each metric alone: C_XY
-of 20 eigenfunctions paired by eq. (4) through the true map (`commutative_eigenspectra`), and the up to twelve distinct
-coarse maps that `search` proposes, each with its mean distance on Y to the truth, or to the mirrored truth, in units of
-sqrt(area). A proposal is right within .1; the mirrored counts, since the twin is built of it. Results are appended to
-the file as they come and not computed again.
+of 20 eigenfunctions paired by eq. (4) through the true map (`commutative_eigenspectra`), and the distinct coarse maps
+that `sign_search` proposes, each with its mean distance on Y to the truth, or to the mirrored truth, in units of
+sqrt(area). A proposal is right within .1; the mirrored counts, since the mirrored map is built of it. Results are
+appended to the file as they come and not computed again.
 """
 
 from __future__ import annotations
@@ -25,8 +25,10 @@ import numpy as np
 from qgeo_filters.evaluation import ToscaRemeshed
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import lifted_metric
-from qgeo_filters.matching.initialization.sign_search import search
-from qgeo_filters.matching.prepared_shape import MetricView, farthest_rows
+from qgeo_filters.matching.initialization.sign_search import sign_search
+from qgeo_filters.matching.parameters import MatchingParameters
+from qgeo_filters.matching.prepared_shape import MetricEmbedding, farthest_rows
+from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
 from qgeo_filters.spectral.spectrum import spectrum_of_matrix
 from qgeo_filters.surface import Surface
@@ -48,15 +50,16 @@ def metrics(scalars: list[str], weights: list[float]) -> list[Metric]:
 
 
 def prepared(surface: Surface, metric: Metric) -> tuple[Any, Any]:
-    """What `search` reads of a descriptor with this metric alone, and the spectrum."""
+    """What `sign_search` reads of a prepared shape with this metric alone, and the spectrum."""
     scalar, weight = metric
     lifted = lifted_metric(surface, "mean_curvature" if weight == 0 else scalar, weight)
     matrix = distance_matrix(surface, lifted)
     spectrum = spectrum_of_matrix(matrix, surface.vertex_areas, FUNCTIONS + SPARE)
-    samples = farthest_rows(matrix, surface.vertex_areas, POINTS)
+    fps = farthest_rows(matrix, surface.vertex_areas, POINTS)
     functions = spectrum.eigenfunctions.astype(np.float32)
-    view = MetricView(weight, spectrum.eigenvalues, functions, spectrum.truncated(FUNCTIONS), matrix[samples])
-    shape = SimpleNamespace(views=(view,), samples=samples, rows=view.rows, n_vertices=surface.n_vertices)
+    first = spectrum.truncated(FUNCTIONS)
+    embedding = MetricEmbedding(weight, spectrum.eigenvalues, functions, first, matrix[fps])
+    shape = SimpleNamespace(embeddings=(embedding,), fps=fps, fps_distances=embedding.fps_distances)
     return shape, spectrum
 
 
@@ -103,7 +106,8 @@ def _measured(
             truth, mirror = data.truth(x, y).images, data.symmetry(y).images
             c_xy = commutative_eigenspectra(shapes[x][1], shapes[y][1], truth, FUNCTIONS).c_xy
             errors = []
-            for proposal in search(shapes[x][0], shapes[y][0]):
+            given = MatchingParameters(curvature_weights=(metric[1],))
+            for proposal in sign_search(MatchProblem(shapes[x][0], shapes[y][0], given)):
                 target = truth[proposal.points]
                 errors.append([float(cartesian[y][proposal.p2p, to].mean()) for to in (target, mirror[target])])
             row = {"pair": f"{x}-{y}", "category": data.category(x), "scalar": metric[0], "weight": metric[1]}

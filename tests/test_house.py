@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import ast
 import graphlib
+import importlib.util
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -248,3 +249,19 @@ def test_tests_and_benchmarks_need_no_private_name() -> None:
                             last = name.value.rpartition(".")[2]
                             found |= {(place, last)} if private(last) else set()
     settle(found, KNOWN_LOANS)
+
+
+def test_benchmarks_import_what_there_is() -> None:
+    """They are run by hand and seldom, so that a rename would go unseen until then."""
+    missing = []
+    for path in sorted((ROOT / "benchmarks").glob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] in (
+                "qgeo_filters",
+                "qgeo_widgets",
+            ):
+                module = importlib.import_module(node.module or "")
+                for name in (alias.name for alias in node.names):
+                    if not hasattr(module, name) and importlib.util.find_spec(f"{node.module}.{name}") is None:
+                        missing.append(f"{path.name}: {node.module}.{name}")
+    assert not missing
