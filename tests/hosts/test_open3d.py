@@ -34,7 +34,8 @@ def mesh():
 
 @pytest.fixture
 def legacy():
-    mesh = o3d.geometry.TriangleMesh(o3d.utility.Vector3dVector(VERTICES), o3d.utility.Vector3iVector(FACES))
+    points, corners = np.array(VERTICES), np.array(FACES)  # Open3D takes no read-only arrays
+    mesh = o3d.geometry.TriangleMesh(o3d.utility.Vector3dVector(points), o3d.utility.Vector3iVector(corners))
     mesh.compute_vertex_normals()
     mesh.vertex_colors = o3d.utility.Vector3dVector(np.abs(VERTICES / 3))
     return mesh

@@ -94,7 +94,7 @@ def test_what_cannot_be_matched_is_refused_with_a_sentence() -> None:
     with pytest.raises(MeshError, match="at least 60 vertices, got 16"):
         PreparedShape(Surface(*grid(3)))
     with pytest.raises(ValueError, match="weights is empty"):
-        PreparedShape(Surface(*creature(level=2)), weights=())
+        PreparedShape(Surface(*creature(level=2)), curvature_weights=())
     vertices, faces = creature()
     with pytest.raises(ValueError, match="normalize=True"):
         match(prepared(), Surface(2 * vertices, faces), normalize=False)
@@ -108,5 +108,5 @@ def test_progress_names_the_stages_and_silence_is_silent(capfd: pytest.CaptureFi
     assert capfd.readouterr().err == ""
     match(shape, shape, progress=True)
     told = capfd.readouterr().err
-    assert "describe X" in told
+    assert "prepare X" in told
     assert "matched: 100%" in told
