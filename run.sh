@@ -79,9 +79,9 @@ test)
     order="--randomly-seed=${QGEO_TEST_SEED:-2018}"
     [[ " $* " != *no:randomly* ]] || order=
     if [ $# -gt 0 ]; then
-        exec "$bin/python" -m pytest -n 2 $order "$@"
+        exec "$bin/python" -m pytest -n 2 --dist loadfile $order "$@"
     fi
-    "$bin/python" -m pytest -n 2 $order --cov --cov-report=
+    "$bin/python" -m pytest -n 2 --dist loadfile $order --cov --cov-report=
     exec "$bin/python" .ci/coverage_report.py
     ;;
 setup)

@@ -10,7 +10,7 @@ IN_THE_RACE = "in the race"
 CHOSEN = "chosen"
 
 
-@dataclass(eq=False)
+@dataclass
 class LoggedMap:
     """A map that was proposed.
 
