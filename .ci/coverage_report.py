@@ -29,6 +29,8 @@ def main() -> None:
 
 def _ranges(lines: list[int]) -> str:
     """12-15, 20: consecutive lines together."""
+    if not lines:
+        return "none: branches only"
     text = io.StringIO()
     for before, line, after in zip([-1, *lines[:-1]], lines, [*lines[1:], -1], strict=True):
         if line != before + 1:
