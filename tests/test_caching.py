@@ -146,9 +146,10 @@ def test_the_numeric_sources_are_all_but_those_that_show_results() -> None:
 
 
 def test_the_code_is_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    content_key("s")
+    before = content_key("s")
     monkeypatch.setattr(fingerprint, "numeric_sources", lambda: pytest.fail("read again"))
-    content_key("s", 1)
+    assert content_key("s") == before
+    assert content_key("s", 1) != before
 
 
 def test_what_is_not_given_stays(tmp_path: Path) -> None:

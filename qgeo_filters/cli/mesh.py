@@ -36,6 +36,7 @@ def info(
 
 
 def details(surface: Surface) -> dict[str, Any]:
+    """Numbers of a surface for result.json: what kind of surface it is, and the quality of its triangles."""
     lengths = surface.edge_lengths
     low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
     return {

@@ -48,12 +48,7 @@ class MatchProblem:
         ParameterError
             Shapes that were prepared with different parameters: their distances, and so maps, cannot be compared.
         """
-        chosen = parameters
-        for shape in (x, y):
-            if chosen is None and isinstance(shape, PreparedShape):
-                chosen = shape.parameters
-        if chosen is None:
-            chosen = MatchingParameters()
+        chosen = _chosen(parameters, x, y)
         return cls(_prepared(x, "X", chosen, progress), _prepared(y, "Y", chosen, progress), chosen)
 
     @classmethod
@@ -61,13 +56,19 @@ class MatchProblem:
         cls, x: Shape, parameters: MatchingParameters | None = None, *, progress: bool = False
     ) -> MatchProblem:
         """Problem of a shape and its own image in a mirror; parameters as in `of`."""
-        chosen = parameters or (x.parameters if isinstance(x, PreparedShape) else MatchingParameters())
+        chosen = _chosen(parameters, x)
         shape = _prepared(x, "the shape", chosen, progress)
         return cls(shape, shape.mirrored, chosen, reflection=True)
 
     def with_mirrored_y(self) -> MatchProblem:
         """The problem of X and the mirror image of Y: maps that reverse the orientation keep it there."""
         return replace(self, y=self.y.mirrored)
+
+
+def _chosen(parameters: MatchingParameters | None, *shapes: Shape) -> MatchingParameters:
+    """The parameters that were given, or those of the first shape that was prepared, or the default."""
+    prepared = (shape.parameters for shape in shapes if isinstance(shape, PreparedShape))
+    return parameters or next(prepared, MatchingParameters())
 
 
 def _prepared(shape: Shape, name: str, parameters: MatchingParameters, progress: bool) -> PreparedShape:

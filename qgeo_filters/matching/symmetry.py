@@ -149,7 +149,7 @@ def _found(problem: MatchProblem, tolerance: float) -> Symmetry:
             f"different reflections keep distances and shape about equally well (costs within {margin:.2f}): either "
             "a family of symmetries, of which none can be singled out, or a shape without any that is nearly round",
         )
-    found = _described(x, decision.dense)
+    found = _described(problem, decision.dense)
     if found.score > tolerance:
         return _none(
             x,
@@ -167,7 +167,8 @@ def _found(problem: MatchProblem, tolerance: float) -> Symmetry:
     return found
 
 
-def _described(x: PreparedShape, dense: DenseMap) -> Symmetry:
+def _described(problem: MatchProblem, dense: DenseMap) -> Symmetry:
+    x = problem.x
     # The map and its inverse are the same: matching in both at once makes the costs symmetric.
     first = np.column_stack([dense.embedding_x, dense.embedding_y])
     second = np.column_stack([dense.embedding_y, dense.embedding_x])
@@ -175,7 +176,7 @@ def _described(x: PreparedShape, dense: DenseMap) -> Symmetry:
     side = _sides(x, p2p)
     # Where the vertices go between the vertices of the other side: nearer to the truth than the nearest of them.
     v, mirrored = x.unit.vertices, dense.positions * np.array([-1.0, 1.0, 1.0])
-    probes = x.fps[: x.parameters.probes]
+    probes = x.fps[: problem.parameters.probes]
     there = x.distances(p2p[probes])
     asymmetry = np.abs(x.fps_distances[: len(probes)] - there[:, p2p]).mean(axis=0, dtype=np.float64)
     score = float(x.areas @ asymmetry)
