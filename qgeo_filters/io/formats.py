@@ -25,7 +25,7 @@ import numpy as np
 
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.errors import MeshError
-from qgeo_filters.io import off_obj, ply, stl_glb, tosca
+from qgeo_filters.io import gltf, off_obj, ply, stl, tosca
 from qgeo_filters.io.raw_mesh import RawMesh
 
 Reader = Callable[[Path, bool], RawMesh]
@@ -35,9 +35,9 @@ _READERS: dict[str, Reader] = {
     ".ply": ply.read,
     ".off": off_obj.read_off,
     ".obj": off_obj.read_obj,
-    ".stl": stl_glb.read_stl,
-    ".glb": stl_glb.read_glb,
-    ".gltf": stl_glb.read_glb,
+    ".stl": stl.read,
+    ".glb": gltf.read,
+    ".gltf": gltf.read,
     ".vert": tosca.read_pair,
     ".tri": tosca.read_pair,
     ".mat": tosca.read_mat,
@@ -45,8 +45,8 @@ _READERS: dict[str, Reader] = {
 _WRITERS: dict[str, Writer] = {
     ".off": off_obj.write_off,
     ".obj": off_obj.write_obj,
-    ".stl": stl_glb.write_stl,
-    ".glb": stl_glb.write_glb,
+    ".stl": stl.write,
+    ".glb": gltf.write,
     ".vert": tosca.write_pair,
     ".tri": tosca.write_pair,
     ".mat": tosca.write_mat,

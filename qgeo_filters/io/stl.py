@@ -1,4 +1,4 @@
-"""STL and GLB, which repeat a vertex for every face or seam: equal positions become one vertex."""
+"""STL, which repeats a vertex for every face: equal positions become one vertex."""
 
 from __future__ import annotations
 
@@ -9,15 +9,14 @@ import numpy as np
 
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.atomic import atomic_write
-from qgeo_filters.errors import MeshError, require_package
-from qgeo_filters.io.damage import DAMAGED_FILE
+from qgeo_filters.errors import MeshError
 from qgeo_filters.io.raw_mesh import RawMesh, weld
 from qgeo_filters.triangle_geometry import face_crosses, unit_normals
 
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
-def read_stl(path: Path, repair: bool) -> RawMesh:
+def read(path: Path, repair: bool) -> RawMesh:
     """Arrays of an STL file, binary or ascii."""
     content = path.read_bytes()
     count = int.from_bytes(content[80:84], "little")
@@ -34,35 +33,13 @@ def read_stl(path: Path, repair: bool) -> RawMesh:
     return RawMesh(points, index.reshape(-1, 3))
 
 
-def write_stl(path: Path, vertices: FloatArray, faces: IntArray) -> None:
+def write(path: Path, vertices: FloatArray, faces: IntArray) -> None:
     """Write as binary STL, in float32, which is all that it holds."""
     facets = np.zeros(len(faces), _FACET)
     facets["normal"] = unit_normals(face_crosses(vertices, faces))
     facets["corners"] = vertices[faces]
     with atomic_write(path) as file:
         file.write(b"qgeo-filters".ljust(80) + np.uint32(len(faces)).tobytes() + facets.tobytes())
-
-
-def read_glb(path: Path, repair: bool) -> RawMesh:
-    """Arrays of all triangle meshes of a glTF scene, placed as the scene places them."""
-    trimesh = require_package("trimesh", "trimesh", f"reading {path.name}")
-    try:
-        scene = trimesh.load_scene(path, process=False)
-        mesh = scene.to_mesh()
-    except DAMAGED_FILE as error:
-        raise MeshError(f"not a readable glTF file ({error or type(error).__name__})") from error
-    if len(mesh.faces) == 0:
-        raise MeshError("the scene has no triangles")
-    points, index = weld(np.asarray(mesh.vertices, dtype=np.float64))
-    return RawMesh(points, index[np.asarray(mesh.faces)])
-
-
-def write_glb(path: Path, vertices: FloatArray, faces: IntArray) -> None:
-    """Write as binary glTF, in float32."""
-    trimesh = require_package("trimesh", "trimesh", f"writing {path.name}")
-    mesh = trimesh.Trimesh(vertices, faces, process=False, validate=False)
-    with atomic_write(path) as file:
-        file.write(mesh.export(file_type="glb"))
 
 
 def _ascii_corners(text: str) -> np.ndarray:
