@@ -30,6 +30,11 @@ class MissingPackageError(QgeoError, ImportError):
     """An optional package that is not installed: the message holds the ``pip install`` that brings it."""
 
 
+def reason(error: BaseException) -> str:
+    """What an exception says, in one line; its type where it says nothing (`MemoryError`, `EOFError`)."""
+    return " ".join(str(error).split()) or type(error).__name__
+
+
 def require_package(module: str, extra: str, purpose: str) -> ModuleType:
     """Imported optional module.
 
@@ -54,4 +59,6 @@ def require_package(module: str, extra: str, purpose: str) -> ModuleType:
             f"{purpose} needs {module}, which is not installed: pip install 'qgeo-filters[{extra}]'"
         ) from error
     except ImportError as error:
-        raise MissingPackageError(f"{purpose} needs {module}, which is installed but does not load: {error}") from error
+        raise MissingPackageError(
+            f"{purpose} needs {module}, which is installed but does not load: {reason(error)}"
+        ) from error
