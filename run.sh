@@ -76,6 +76,8 @@ test)
     "$bin/ruff" check .
     "$bin/ruff" format --check .
     "$bin/mypy"
+    # Two test processes on two cores: BLAS's own threads would wait for each other by spinning, half of all CPU time.
+    export OPENBLAS_NUM_THREADS=1
     order="--randomly-seed=${QGEO_TEST_SEED:-2018}"
     [[ " $* " != *no:randomly* ]] || order=
     if [ $# -gt 0 ]; then

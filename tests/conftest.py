@@ -15,6 +15,13 @@ def shared_data() -> Path:
     return Path(os.environ.get("QGEO_DATA", ROOT.parent / "shared" / "data"))
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Coverage is not measured in slow tests, which it makes a third slower: quick ones run the same lines."""
+    for item in items:
+        if item.get_closest_marker("slow"):
+            item.add_marker("no_cover")
+
+
 @pytest.fixture(scope="session")
 def data_dir() -> Path:
     """Folder of the evaluation data; the test is skipped, saying so, where it is absent."""

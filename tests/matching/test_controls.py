@@ -139,6 +139,7 @@ def test_different_creatures_are_not_matched_with_confidence() -> None:
     assert found.explanation
 
 
+@pytest.mark.slow
 def test_a_blob_and_another_and_a_torus_are_not_matched_with_confidence() -> None:
     shape = PreparedShape(Surface(*blob(3, 0)))
     assert not match(shape, Surface(*blob(3, 1))).confident
@@ -154,6 +155,7 @@ def test_a_bent_copy_is_matched_with_confidence_and_right(seed: int) -> None:
     assert geodesic_error(found.p2p, np.arange(len(mesh[0])), Surface(*mesh)).mean() < 0.02
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "mesh",
     [icosphere(3), torus(32, 16), ellipsoid(1, 0.7, 0.5)],
@@ -166,6 +168,7 @@ def test_what_turns_onto_itself_is_not_matched_to_itself_with_confidence(mesh: M
     assert "more than one way" in found.explanation
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mesh", [icosphere(3), torus(32, 16)], ids=["sphere", "torus"])
 def test_what_turns_onto_itself_is_not_matched_to_a_turned_copy_with_confidence(mesh: Mesh) -> None:
     found = match(Surface(*mesh), Surface(*turned(mesh)))
