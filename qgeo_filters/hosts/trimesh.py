@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters.errors import MeshError, require_package
+from qgeo_filters.errors import MeshError
 from qgeo_filters.io.raw_mesh import RawMesh
 from qgeo_filters.surface import Surface
 
@@ -39,6 +39,7 @@ def with_positions(mesh: Any, vertices: npt.NDArray[np.float64]) -> Any:
 
 def make(surface: Surface) -> Any:
     """Trimesh with the vertices, faces and attributes of a surface."""
-    trimesh = require_package("trimesh", "trimesh", "a trimesh mesh")
+    import trimesh  # takes a while to load
+
     mesh = trimesh.Trimesh(np.array(surface.vertices), np.array(surface.faces), process=False)
     return write(mesh, surface.attributes)

@@ -7,7 +7,9 @@ suffix              read                                          written
 .off                OFF, COFF, NOFF; positions and faces          17 digits
 .obj                positions and faces; groups are joined        17 digits
 .stl                ascii and binary; equal corners are welded    binary, float32
-.glb, .gltf         trimesh; equal vertices are welded            .glb, float32
+.gii                GIFTI, by nibabel; arrays are attributes      -
+lh.pial, rh.white   FreeSurfer, by nibabel; told by its bytes     -
+.glb, .gltf         the scene; equal vertices are welded          .glb, float32
 .vert + .tri        TOSCA, from 1; either name or the stem        both files, 17 digits
 .mat                TOSCA, ``surface`` with X, Y, Z, TRIV         the same
 ==================  ============================================  =======================================
@@ -25,8 +27,9 @@ import numpy as np
 
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.errors import MeshError
-from qgeo_filters.io import gltf, off_obj, ply, stl, tosca
+from qgeo_filters.io import brain_surfaces, gltf, off_obj, ply, stl, tosca
 from qgeo_filters.io.raw_mesh import RawMesh
+from qgeo_filters.io.single_precision import single_precision_note
 
 Reader = Callable[[Path, bool], RawMesh]
 Writer = Callable[[Path, FloatArray, IntArray], None]
@@ -41,6 +44,7 @@ _READERS: dict[str, Reader] = {
     ".vert": tosca.read_pair,
     ".tri": tosca.read_pair,
     ".mat": tosca.read_mat,
+    ".gii": brain_surfaces.read_gifti,
 }
 _WRITERS: dict[str, Writer] = {
     ".off": off_obj.write_off,
@@ -51,6 +55,7 @@ _WRITERS: dict[str, Writer] = {
     ".tri": tosca.write_pair,
     ".mat": tosca.write_mat,
 }
+_SINGLE_PRECISION = (".stl", ".glb")
 
 
 def read_raw(path: str | os.PathLike[str], *, repair: bool = False) -> RawMesh:
@@ -62,6 +67,11 @@ def read_raw(path: str | os.PathLike[str], *, repair: bool = False) -> RawMesh:
         The format is told by the suffix, see the table at the top of this module. Of a TOSCA pair, either
         file or the stem without suffix.
     repair : bool
+
+    Warns
+    -----
+    UserWarning
+        What of the file was passed over; with ``repair`` it stands in the notes instead.
 
     Raises
     ------
@@ -78,10 +88,16 @@ def read_raw(path: str | os.PathLike[str], *, repair: bool = False) -> RawMesh:
         raise FileNotFoundError(f"no such file: {file}")
     if file.is_dir():
         raise IsADirectoryError(f"{file} is a folder, not a mesh")
+    if reader is None and brain_surfaces.is_freesurfer(file):
+        reader = brain_surfaces.read_freesurfer
     if reader is None:
         raise MeshError(f"{file}: unknown suffix {file.suffix!r}; read are {', '.join(_READERS)}")
     with path_in_errors(file):
-        return reader(file, repair)
+        raw = reader(file, repair)
+    if not repair:
+        for note in raw.notes:
+            warnings.warn(f"{file}: {note}", stacklevel=3)  # the level is that of who calls Surface.read
+    return raw
 
 
 def write_raw(
@@ -103,12 +119,13 @@ def write_raw(
     Warns
     -----
     UserWarning
-        Naming the attributes that the format drops.
+        Naming the attributes that the format drops, and how far float32 moves the vertices where that can be seen.
 
     Raises
     ------
     MeshError
-        An unknown suffix, or an attribute that PLY cannot hold (text, objects); the message starts with the path.
+        An unknown suffix, an attribute that PLY cannot hold (text, objects), coordinates that float32 cannot
+        hold; the message starts with the path.
     OSError
         Where the file cannot be written.
     """
@@ -121,9 +138,12 @@ def write_raw(
             return
         if writer is None:
             raise MeshError(f"unknown suffix {file.suffix!r}; written are .ply, {', '.join(_WRITERS)}")
+        note = single_precision_note(vertices, faces) if suffix in _SINGLE_PRECISION else None
+    # The level of warnings is that of who calls Surface.write.
+    if note:
+        warnings.warn(f"{file}: {note}", stacklevel=3)
     if attributes:
         names = ", ".join(map(repr, sorted(attributes)))
-        # The level is that of who calls Surface.write.
         warnings.warn(f"{file}: {file.suffix} holds no attributes, dropped: {names} (write .ply)", stacklevel=3)
     writer(file, vertices, faces)
 

@@ -70,7 +70,8 @@ def test_attribute_of_wrong_length_is_named():
 
 
 def test_trimesh_both_ways():
-    trimesh = pytest.importorskip("trimesh")
+    import trimesh
+
     colors = np.tile(np.array([[1, 2, 3, 255]], np.uint8), (N, 1))
     mesh = trimesh.Trimesh(
         VERTICES, FACES, process=False, vertex_attributes={"own": np.arange(N)}, vertex_colors=colors,
@@ -113,22 +114,22 @@ print(sorted(hosts & set(sys.modules)))
 @pytest.mark.parametrize("installed", ["None", "broken"])
 def test_a_missing_host_says_what_brings_it(tmp_path, installed):
     Surface(VERTICES, FACES)
-    (tmp_path / "a.glb").write_bytes(b"")
+    (tmp_path / "a.gii").write_bytes(b"")
     if installed == "broken":
-        (tmp_path / "trimesh.py").write_text("raise ImportError('libGL.so.1: cannot open shared object file')")
+        (tmp_path / "nibabel.py").write_text("raise ImportError('libGL.so.1: cannot open shared object file')")
         block = f"sys.path.insert(0, {str(tmp_path)!r})"
         expected = "which is installed but does not load: libGL.so.1"
     else:
-        block = "sys.modules['trimesh'] = None"
-        expected = "which is not installed: pip install 'qgeo-filters[trimesh]'"
+        block = "sys.modules['nibabel'] = None"
+        expected = "which is not installed: pip install 'qgeo-filters[files]'"
     code = f"""
 import sys
 {block}
 import qgeo_filters as qg
 try:
-    qg.Surface.read({str(tmp_path / "a.glb")!r})
+    qg.Surface.read({str(tmp_path / "a.gii")!r})
 except qg.MissingPackageError as error:
     print(error)
 """
     done = run(code)
-    assert done.stdout.strip().startswith(f"reading a.glb needs trimesh, {expected}"), done.stdout + done.stderr
+    assert done.stdout.strip().startswith(f"reading a.gii needs nibabel, {expected}"), done.stdout + done.stderr

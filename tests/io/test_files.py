@@ -40,7 +40,6 @@ def test_round_trip_is_exact(tmp_path, suffix):
 
 @pytest.mark.parametrize("suffix", [".stl", ".glb"])
 def test_round_trip_in_single_precision(tmp_path, suffix):
-    pytest.importorskip("trimesh")
     file = tmp_path / f"shape{suffix}"
     SURFACE.write(file)
     back = Surface.read(file)
@@ -60,7 +59,6 @@ def test_both_files_of_a_pair_are_written_and_any_name_reads_them(tmp_path):
 
 @pytest.mark.parametrize("suffix", [".off", ".obj", ".stl", ".vert", ".mat", ".glb"])
 def test_attributes_are_dropped_aloud(tmp_path, suffix):
-    pytest.importorskip("trimesh")
     surface = SURFACE.with_attributes({"b": V, "a": V})
     with pytest.warns(UserWarning, match=rf"{suffix} holds no attributes, dropped: 'a', 'b' \(write .ply\)") as caught:
         surface.write(tmp_path / f"shape{suffix}")
@@ -143,7 +141,8 @@ def test_binary_stl_that_begins_like_an_ascii_one(tmp_path):
 
 
 def test_glb_scene_is_placed_and_joined(tmp_path):
-    trimesh = pytest.importorskip("trimesh")
+    import trimesh
+
     v, f = icosphere(1)
     scene = trimesh.Scene()
     scene.add_geometry(trimesh.Trimesh(v, f, process=False), node_name="a")
@@ -211,8 +210,6 @@ BROKEN = {
 @pytest.mark.parametrize("name", BROKEN)
 def test_broken_files_are_named_with_the_reason_on_one_line(tmp_path, name, capfd):
     text, message = BROKEN[name]
-    if name.endswith(".glb"):
-        pytest.importorskip("trimesh")
     file = wrote(tmp_path, name, text)
     with pytest.raises(MeshError, match=message) as caught:
         Surface.read(file)
