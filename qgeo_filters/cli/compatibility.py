@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Repair, Settings, Weight, Workers
+from qgeo_filters.cli.options import Json, Output, Pictures, Quiet, Repair, Settings, Weight, Workers
 from qgeo_filters.cli.spectral import Count
 from qgeo_filters.defaults import CURVATURE_WEIGHT, EIGENPAIRS
 
@@ -24,7 +24,7 @@ def compatibility(
     k: Count = EIGENPAIRS,
     curvature_weight: Weight = CURVATURE_WEIGHT,
     workers: Workers = None,
-    output: Output = DEFAULT_OUTPUT,
+    output: Output = None,
     repair: Repair = False,
     pictures: Pictures = True,
     json: Json = False,
@@ -45,8 +45,9 @@ def compatibility(
     from qgeo_filters.report.maps import plot_poses
 
     parameters = {"baselines": list(baselines), "k": k, "curvature_weight": curvature_weight, "repair": repair}
-    job = Job("compatibility", Settings(output, quiet, json, repair, pictures), parameters)
-    poses = [job.read(mesh) for mesh in meshes]
+    settings = Settings(output, quiet, json, repair, pictures)
+    job = Job("compatibility", settings, parameters, meshes, pictures=("poses", "c_xy"))
+    poses = job.read()
     with job.stage("compatibility"):
         found = compatibility_of(poses, baselines, k=k, curvature_weight=curvature_weight, progress=job.progress)
     arrays = {

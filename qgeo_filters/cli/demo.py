@@ -6,7 +6,8 @@ import importlib.util
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Quiet, Settings, Workers
+from qgeo_filters.cli.options import Json, Output, Quiet, Settings, Workers
+from qgeo_filters.cli.symmetry import SYMMETRY_PICTURES
 from qgeo_filters.defaults import EIGENPAIRS, SYMMETRY_K0
 from qgeo_filters.errors import MissingPackageError
 
@@ -16,9 +17,10 @@ if TYPE_CHECKING:
     from qgeo_filters.surface import Surface
 
 _SOURCES = 5
+_PICTURES = ("eigenfunctions", "distance_matrix", *SYMMETRY_PICTURES, "distance_field", "scalar", "spectrum")
 
 
-def demo(workers: Workers = None, output: Output = DEFAULT_OUTPUT, json: Json = False, quiet: Quiet = False) -> None:
+def demo(workers: Workers = None, output: Output = None, json: Json = False, quiet: Quiet = False) -> None:
     """Run everything on PyMeshLab's cow and compare distances with libigl's exact ones; needs no network.
 
     result.npz: distances (n, n), eigenvalues (k,), eigenfunctions (n, k), symmetry (n,), side (n,), asymmetry (n,),
@@ -47,8 +49,8 @@ def demo(workers: Workers = None, output: Output = DEFAULT_OUTPUT, json: Json = 
     descriptor = qg.QuasiGeodesicSpectrum(k=EIGENPAIRS)
     pipeline = qg.DifferentialCoordinates() | qg.CorrectedNormals() | qg.SurfaceScalar() | descriptor
     parameters = {type(step).__name__: step.get_params() for step in pipeline.steps}
-    job = Job("demo", Settings(output, quiet, json), parameters)
-    surface = job.read(cow())
+    job = Job("demo", Settings(output, quiet, json), parameters, [cow()], pictures=_PICTURES)
+    (surface,) = job.read()
     with cache.held():  # the stages of the pipeline are asked for again below
         with job.stage("pipeline"):
             described = pipeline(surface, progress=job.progress)

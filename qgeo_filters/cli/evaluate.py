@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Settings, Workers
+from qgeo_filters.cli.options import Json, Output, Pictures, Quiet, Settings, Workers
 from qgeo_filters.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def evaluate(
     seed: Annotated[int, typer.Option("--seed", help="Of the choice of pairs.")] = 0,
     category: Annotated[list[str] | None, typer.Option("--category", help="Only this one; may be repeated.")] = None,
     workers: Workers = None,
-    output: Output = DEFAULT_OUTPUT,
+    output: Output = None,
     pictures: Pictures = True,
     json: Json = False,
     quiet: Quiet = False,
@@ -63,11 +63,16 @@ def evaluate(
     if pairs is not None and pairs < 1:
         raise ParameterError(f"--pairs must be at least 1, got {pairs}")
     parameters = {"dataset": dataset, "root": str(root), "what": what, "pairs": pairs, "seed": seed}
+    data = _dataset(dataset, root)
     job = Job(
-        "evaluate", Settings(output, quiet, json, pictures=pictures), {**parameters, "category": category or "all"}
+        "evaluate",
+        Settings(output, quiet, json, pictures=pictures),
+        {**parameters, "category": category or "all"},
+        inputs=data.files.values(),
+        pictures=("error_curve", "worst_map"),
+        texts=("table.md",),
     )
     job.subject = f"{what} on {dataset}"
-    data = _dataset(dataset, root)
     store = PairStore(job.folder / "pairs")
     found: list[PairResult] = []
     failures: list[PairFailure] = []

@@ -41,7 +41,7 @@ def fetch(
     import warnings
 
     from qgeo_filters import evaluation
-    from qgeo_filters.cli.job import writable_folder
+    from qgeo_filters.cli.outputs import writable_folder
     from qgeo_filters.errors import require_package
     from qgeo_filters.evaluation.download import SOURCES
 

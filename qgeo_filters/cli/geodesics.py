@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from qgeo_filters.cli.options import (
-    DEFAULT_OUTPUT,
     Accuracy,
     Json,
     MeshFile,
@@ -33,6 +32,8 @@ if TYPE_CHECKING:
 LARGEST_MATRIX = 8 << 30  # bytes
 # Rows of a matrix that are looked at together.
 ROWS = 1024
+# Sources whose distances are drawn.
+_FIELDS = 6
 
 
 def distances(
@@ -55,7 +56,7 @@ def distances(
     method: Method = "graph",
     accuracy: Accuracy = 1e-3,
     workers: Workers = None,
-    output: Output = DEFAULT_OUTPUT,
+    output: Output = None,
     repair: Repair = False,
     pictures: Pictures = True,
     json: Json = False,
@@ -88,8 +89,16 @@ def distances(
     }
     if chosen and matrix is not None:
         raise ParameterError("--matrix holds the distances between all pairs: leave out --sources, or --matrix")
-    job = Job("distances", Settings(output, quiet, json, repair, pictures), parameters)
-    surface = job.read(mesh)
+    drawn = [f"distance_{vertex}" for vertex in chosen[:_FIELDS]] or ["distance_matrix", "mean_distance"]
+    job = Job(
+        "distances",
+        Settings(output, quiet, json, repair, pictures),
+        parameters,
+        [mesh],
+        inputs=[] if matrix is None else [matrix],
+        pictures=drawn,
+    )
+    (surface,) = job.read()
     n = surface.n_vertices
     if chosen:
         checked_indices(chosen, n, "sources")
@@ -116,7 +125,7 @@ def distances(
     else:
         attributes = {"qgeo_mean_distance": centrality}
     job.save(results, arrays, surface.with_attributes(attributes))
-    for index, vertex in enumerate(chosen[:6]):
+    for index, vertex in enumerate(chosen[:_FIELDS]):
         job.picture(
             f"distance_{vertex}",
             f"Distance from vertex {vertex} (red), with lines of equal distance.",
@@ -178,7 +187,7 @@ def path(
     curvature_weight: Weight = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
     smoothing: Smoothing = 0.0,
-    output: Output = DEFAULT_OUTPUT,
+    output: Output = None,
     repair: Repair = False,
     pictures: Pictures = True,
     json: Json = False,
@@ -204,8 +213,9 @@ def path(
         "smoothing": smoothing,
         "repair": repair,
     }
-    job = Job("path", Settings(output, quiet, json, repair, pictures), parameters)
-    surface = job.read(mesh)
+    settings = Settings(output, quiet, json, repair, pictures)
+    job = Job("path", settings, parameters, [mesh], pictures=("path", "path_curvature"))
+    (surface,) = job.read()
     start, end = checked_index(i, surface.n_vertices, "I"), checked_index(j, surface.n_vertices, "J")
     with job.stage("metric"):
         metric = stages.metric_of(surface, scalar, curvature_weight, smoothing)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
+import itertools
 import math
-import os
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -18,35 +17,68 @@ from rich.console import Console
 from rich.table import Table as TerminalTable
 
 from qgeo_filters import __version__
-from qgeo_filters.atomic import atomic_write
 from qgeo_filters.cli.options import Settings
+from qgeo_filters.cli.outputs import LISTING, OutputFolder
+from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.repair import repair_surface
 from qgeo_filters.report.html import Picture, Table, formatted, write_report
 from qgeo_filters.surface import Surface
 
 _PIPE_WIDTH = 120
+# Names of files and attributes are printed as they are: [these] would be taken for markup, :this: for a picture.
+_PLAIN: dict[str, Any] = {"highlight": False, "markup": False, "emoji": False}
 
 
 class Job:
     """Results of one command on one mesh, or on several that belong together, in one folder.
 
     Each file is written whole or not at all, in the order in which results come: arrays and mesh first, then the
-    pictures one by one, the report last. Files that an earlier job left in the folder are removed when the
-    first result of this one is written, so that the folder never holds a mixture.
+    pictures one by one, the report last. `OutputFolder` says which files may be replaced.
+
+    Parameters
+    ----------
+    command : str
+    settings : Settings
+    parameters : mapping of str to anything
+        What the report says of how results were made.
+    meshes : sequence of Path
+        Files of the meshes.
+    names : sequence of str
+        What the command calls the meshes, such as X and Y; nothing by default.
+    inputs : iterable of Path
+        What else is read.
+    pictures, texts : iterable of str
+        Names of the pictures and the text files that may be made, the pictures' without suffix.
     """
 
-    def __init__(self, command: str, settings: Settings, parameters: Mapping[str, Any]) -> None:
+    def __init__(
+        self,
+        command: str,
+        settings: Settings,
+        parameters: Mapping[str, Any],
+        meshes: Sequence[Path] = (),
+        *,
+        names: Sequence[str] = (),
+        inputs: Iterable[Path] = (),
+        pictures: Iterable[str] = (),
+        texts: Iterable[str] = (),
+    ) -> None:
         self.command = command
         self.settings = settings
         self.parameters = dict(parameters)
-        self.folder = writable_folder(settings.output)
         self.subject = ""
+        self.paths = tuple(meshes)
         self.meshes: list[dict[str, Any]] = []
         self.results: dict[str, Any] = {}
         self.seconds: dict[str, float] = {}
-        self.files: list[str] = []
+        self._names = tuple(names)
         self._pictures: list[Picture] = []
-        self._notes = Console(stderr=True, quiet=settings.quiet, highlight=False, soft_wrap=True)
+        self._notes = Console(stderr=True, quiet=settings.quiet, soft_wrap=True, **_PLAIN)
+        drawn = pictures if settings.pictures else ()
+        files = {"result.npz", "report.html", *texts, *(f"{name}.png" for name in drawn)}
+        files |= {f"{name}.ply" for name in self.names}
+        self._outputs = OutputFolder(settings.folder(command), files, (*self.paths, *inputs), self._content)
+        self.folder = self._outputs.folder
 
     @property
     def progress(self) -> bool:
@@ -54,19 +86,39 @@ class Job:
         return not self.settings.quiet and sys.stderr.isatty()
 
     @contextmanager
-    def stage(self, name: str) -> Iterator[None]:
-        """Context that measures a stage, in wall-clock seconds, and says on a terminal what goes on."""
+    def stage(self, name: str, mesh: int | None = None) -> Iterator[None]:
+        """Context that measures a stage, in wall-clock seconds, and says on a terminal what goes on.
+
+        What is wrong with a mesh is said with its name: of this mesh, or of the only one.
+        """
         started = time.perf_counter()
         if self.progress:
-            self._notes.print(f"[dim]… {name}[/dim]")
-        yield
+            self._notes.print(f"… {name}", style="dim")
+        with self.about(mesh):
+            yield
         self.seconds[name] = round(time.perf_counter() - started, 3)
+
+    @contextmanager
+    def about(self, mesh: int | None = None) -> Iterator[None]:
+        """Context in which what is wrong with a mesh is said with its name: of this mesh, or of the only one."""
+        if mesh is None and len(self.paths) != 1:
+            yield
+            return
+        path = str(self.paths[mesh or 0])
+        try:
+            yield
+        except MeshError as error:
+            name = f"{self._names[mesh or 0]} ({path})" if self._names else path
+            raise type(error)(f"{name}: {str(error).removeprefix(f'{path}: ')}") from error
 
     # -- in -----------------------------------------------------------------------------------------
 
-    def read(self, path: Path) -> Surface:
-        """Surface of a file, repaired if asked to."""
-        with self.stage("read"):
+    def read(self) -> list[Surface]:
+        """Surfaces of the files, repaired if asked to."""
+        return [self._read(index, path) for index, path in enumerate(self.paths)]
+
+    def _read(self, index: int, path: Path) -> Surface:
+        with self.stage("read", index):
             changes: Sequence[str] = ()
             if self.settings.repair:
                 repaired = repair_surface(path)
@@ -82,22 +134,20 @@ class Job:
     @property
     def names(self) -> list[str]:
         """Names of the meshes' files without folder and suffix, numbered where they repeat."""
-        stems = [Path(mesh["path"]).stem or "mesh" for mesh in self.meshes]
-        return numbered(stems)
+        return numbered([path.stem or "mesh" for path in self.paths])
 
     # -- out ----------------------------------------------------------------------------------------
 
     def save(self, results: Mapping[str, Any], arrays: Mapping[str, Any], *surfaces: Surface) -> None:
         """Write result.json, result.npz and the meshes that were read, with their attributes."""
-        self._clear()
         self.results.update(results)
-        with atomic_write(self.folder / "result.npz") as file:
+        with self._outputs.writing("result.npz") as temporary, temporary.open("wb") as file:
             np.savez(file, **dict(arrays))
-        self.files += ["result.json", "result.npz"]
+        for note in self._outputs.left:
+            self._notes.print(f"qgeo: {note}")
         for name, surface in zip(self.names, surfaces, strict=True):
-            surface.write(self.folder / f"{name}.ply")
-            self.files.append(f"{name}.ply")
-        self._write_json()
+            with self._outputs.writing(f"{name}.ply") as temporary:
+                surface.write(temporary)
 
     def picture(self, name: str, caption: str, draw: Callable[[], Figure]) -> None:
         """Draw and write a picture, unless pictures are not wanted."""
@@ -105,44 +155,42 @@ class Job:
             return
         with self.stage(f"picture {name}"):
             picture = Picture(name, draw(), caption)
-            with atomic_write(self.folder / f"{name}.png") as file:
-                file.write(picture.png)
+            with self._outputs.writing(f"{name}.png") as temporary:
+                temporary.write_bytes(picture.png)
         self._pictures.append(picture)
-        self.files.append(f"{name}.png")
 
     def text(self, name: str, content: str) -> None:
         """Write a text file beside the results."""
-        with atomic_write(self.folder / name) as file:
-            file.write(content.encode("utf-8"))
-        self.files.append(name)
+        with self._outputs.writing(name) as temporary:
+            temporary.write_bytes(content.encode("utf-8", errors="backslashreplace"))
 
     def finish(self, tables: Sequence[Table] = ()) -> None:
         """Write the report and the final result.json, and say where everything is."""
-        self.files.append("report.html")
-        write_report(
-            self.folder / "report.html",
-            f"qgeo {self.command}: {self._subject()}",
-            subtitle=self.subject or ", ".join(mesh["path"] for mesh in self.meshes),
-            pictures=self._pictures,
-            tables=[
-                Table.of("Results", self._short_results()),
-                *tables,
-                Table.of("Parameters", self.parameters),
-                *self._mesh_tables(),
-                Table.of("Wall-clock seconds", self.seconds),
-            ],
-            footer=f"qgeo-filters {__version__}. The same numbers are in result.json, the arrays in result.npz.",
-        )
-        self._write_json()
+        with self._outputs.writing("report.html") as temporary:
+            write_report(
+                temporary,
+                f"qgeo {self.command}: {self._subject()}",
+                subtitle=self.subject or ", ".join(mesh["path"] for mesh in self.meshes),
+                pictures=self._pictures,
+                tables=[
+                    Table.of("Results", self._short_results()),
+                    *tables,
+                    Table.of("Parameters", self.parameters),
+                    *self._mesh_tables(),
+                    Table.of("Wall-clock seconds", self.seconds),
+                ],
+                footer=f"qgeo-filters {__version__}. The same numbers are in result.json, the arrays in result.npz.",
+            )
+        self._outputs.list_files()
         self._show(tables)
 
     def _show(self, tables: Sequence[Table]) -> None:
         if self.settings.json:
-            sys.stdout.write((self.folder / "result.json").read_text(encoding="utf-8"))
+            sys.stdout.write((self.folder / LISTING).read_text(encoding="utf-8"))
             return
         # A file or a pipe has no width; the usual guess of 80 columns would cut tables short.
         width = None if sys.stdout.isatty() else _PIPE_WIDTH
-        console = Console(quiet=self.settings.quiet, highlight=False, width=width)
+        console = Console(quiet=self.settings.quiet, width=width, **_PLAIN)
         title = f"{self.command}  {self._subject()}"
         for table in (Table.of(title, self._short_results()), *tables):
             shown = TerminalTable(title=table.title, title_justify="left", show_header=bool(table.columns))
@@ -151,7 +199,7 @@ class Job:
             for row in table.rows:
                 shown.add_row(*map(formatted, row))
             console.print(shown)
-        console.print(f"{', '.join(self.files)} in {self.folder}", soft_wrap=True)
+        console.print(f"{', '.join(self._outputs.files)} in {self.folder}", soft_wrap=True)
 
     def _subject(self) -> str:
         """What the job is about, for headings."""
@@ -173,7 +221,8 @@ class Job:
             if not isinstance(value, list) or (len(value) <= 6 and not any(isinstance(item, dict) for item in value))
         }
 
-    def _write_json(self) -> None:
+    def _content(self) -> dict[str, Any]:
+        """Content of result.json but for the list of files."""
         content = {
             "command": self.command,
             "qgeo_filters": __version__,
@@ -181,34 +230,8 @@ class Job:
             **({"mesh": self.meshes[0]} if len(self.meshes) == 1 else {"meshes": self.meshes}),
             "results": self.results,
             "seconds": self.seconds,
-            "files": self.files,
         }
-        with atomic_write(self.folder / "result.json") as file:
-            file.write((json.dumps(plain(content), indent=2, ensure_ascii=False) + "\n").encode("utf-8"))
-
-    def _clear(self) -> None:
-        """Make the folder; remove what an earlier job listed in its result.json."""
-        self.folder.mkdir(parents=True, exist_ok=True)
-        try:
-            earlier = json.loads((self.folder / "result.json").read_text(encoding="utf-8"))
-            names = earlier["files"] if "qgeo_filters" in earlier else []
-        except (FileNotFoundError, ValueError, TypeError, KeyError):
-            return
-        for name in names:
-            if isinstance(name, str) and Path(name).name == name:
-                (self.folder / name).unlink(missing_ok=True)
-
-
-def writable_folder(folder: Path) -> Path:
-    """The folder, if it can be made and written to; said before hours of computing, not after."""
-    place = folder.absolute()
-    while not place.exists() and place != place.parent:
-        place = place.parent
-    if not place.is_dir():
-        raise NotADirectoryError(f"cannot write into {folder}: {place} is not a folder")
-    if not os.access(place, os.W_OK | os.X_OK):
-        raise PermissionError(f"cannot write into {folder}: {place} is read-only")
-    return folder
+        return dict(plain(content))
 
 
 def description(surface: Surface) -> dict[str, Any]:
@@ -240,8 +263,13 @@ def plain(value: Any) -> Any:
 
 
 def numbered(names: Sequence[str]) -> list[str]:
-    """The names, those that occur more than once with -1, -2, ... behind them."""
-    return [
-        name if names.count(name) == 1 else f"{name}-{names[:position].count(name) + 1}"
-        for position, name in enumerate(names)
-    ]
+    """The names, those that occur more than once, in whatever case, with -1, -2, ... behind them."""
+    keys = [name.casefold() for name in names]  # one file where the system does not tell cases apart
+    taken = {key for key in keys if keys.count(key) == 1}
+    chosen = []
+    for name, key in zip(names, keys, strict=True):
+        if keys.count(key) > 1:
+            name = next(one for one in (f"{name}-{k}" for k in itertools.count(1)) if one.casefold() not in taken)
+            taken.add(name.casefold())
+        chosen.append(name)
+    return chosen

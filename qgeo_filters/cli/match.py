@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Repair, Settings, Workers
+from qgeo_filters.cli.options import Json, Output, Pictures, Quiet, Repair, Settings, Workers
 from qgeo_filters.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from qgeo_filters.matching.correspondence import MatchResult
     from qgeo_filters.matching.match_log import MatchLog
     from qgeo_filters.surface import Surface
+
+
+_PICTURES = ("match", "regions", "distortion", "distortion_histogram", "match_log")
+_PICTURES_OF_ERRORS = ("errors", "error_curve")
 
 
 def match(
@@ -35,7 +39,7 @@ def match(
         bool, typer.Option("--normalize/--no-normalize", help="Compare shapes regardless of their size.")
     ] = True,
     workers: Workers = None,
-    output: Output = DEFAULT_OUTPUT,
+    output: Output = None,
     repair: Repair = False,
     pictures: Pictures = True,
     json: Json = False,
@@ -56,14 +60,23 @@ def match(
     from qgeo_filters.matching.prepared_shape import check_same_size
 
     parameters = {"normalize": normalize, "truth": None if truth is None else str(truth), "repair": repair}
-    job = Job("match", Settings(output, quiet, json, repair, pictures), parameters)
-    shapes = job.read(x), job.read(y)
+    job = Job(
+        "match",
+        Settings(output, quiet, json, repair, pictures),
+        parameters,
+        [x, y],
+        names=("X", "Y"),
+        inputs=[] if truth is None else [truth],
+        pictures=(*_PICTURES, *(() if truth is None else _PICTURES_OF_ERRORS)),
+        texts=("match_log.md",),
+    )
+    shapes = job.read()
     target = None if truth is None else read_truth(truth, shapes[0].n_vertices, shapes[1].n_vertices)
     if not normalize:
         check_same_size(*shapes)
     prepared = []  # held here: the next stages then find them, whatever the bound of the cache
-    for name, shape in zip(("X", "Y"), shapes, strict=True):
-        with job.stage(f"spectra of {name}"):
+    for index, shape in enumerate(shapes):
+        with job.stage(f"spectra of {'XY'[index]}", index):
             prepared.append(stages.prepared_shape_of(shape, job.progress))
     with job.stage("match"):
         found = stages.correspondence_of(*shapes, normalize, job.progress)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, MeshFile, Output, Pictures, Quiet, Repair, Settings
+from qgeo_filters.cli.options import Json, MeshFile, Output, Pictures, Quiet, Repair, Settings
 
 if TYPE_CHECKING:
     from qgeo_filters.surface import Surface
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 def info(
     mesh: MeshFile,
-    output: Output = DEFAULT_OUTPUT,
+    output: Output = None,
     repair: Repair = False,
     pictures: Pictures = True,
     json: Json = False,
@@ -23,8 +23,8 @@ def info(
     from qgeo_filters.cli.job import Job
     from qgeo_filters.report.figures import plot_surface
 
-    job = Job("info", Settings(output, quiet, json, repair, pictures), {"repair": repair})
-    surface = job.read(mesh)
+    job = Job("info", Settings(output, quiet, json, repair, pictures), {"repair": repair}, [mesh], pictures=["surface"])
+    (surface,) = job.read()
     with job.stage("describe"):
         results = {**job.meshes[0], **details(surface)}
     del results["path"]

@@ -12,7 +12,16 @@ MeshFile = Annotated[
     Path,
     typer.Argument(metavar="MESH", help="OFF, OBJ, PLY, STL, GLB, or TOSCA's .vert/.tri, .mat.", show_default=False),
 ]
-Output = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the results; made if missing.")]
+Output = Annotated[
+    Path | None,
+    typer.Option(
+        "-o",
+        "--output",
+        metavar="DIR",
+        help="Folder for the results, made if missing; qgeo-out/COMMAND if left out. No file of yours is replaced.",
+        show_default=False,
+    ),
+]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but errors.")]
 Json = Annotated[bool, typer.Option("--json", help="Print result.json instead of the table.")]
 Repair = Annotated[
@@ -56,15 +65,17 @@ Workers = Annotated[
     ),
 ]
 
-DEFAULT_OUTPUT = Path("qgeo-out")
-
 
 @dataclass(frozen=True)
 class Settings:
     """What a command is asked to do with its results."""
 
-    output: Path = DEFAULT_OUTPUT
+    output: Path | None = None
     quiet: bool = False
     json: bool = False
     repair: bool = False
     pictures: bool = True
+
+    def folder(self, command: str) -> Path:
+        """Where the results of a command go: each has its own folder, unless told otherwise."""
+        return Path("qgeo-out") / command if self.output is None else self.output

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from qgeo_filters.cli.options import DEFAULT_OUTPUT, Json, Output, Pictures, Quiet, Repair, Settings, Workers
+from qgeo_filters.cli.options import Json, Output, Pictures, Quiet, Repair, Settings, Workers
 from qgeo_filters.errors import ParameterError, QgeoError
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ def run(
     ],
     meshes: Annotated[list[Path], typer.Argument(metavar="MESH...", help="One mesh or more.", show_default=False)],
     workers: Workers = None,
-    output: Output = DEFAULT_OUTPUT,
+    output: Output = None,
     repair: Repair = False,
     pictures: Pictures = True,
     json: Json = False,
@@ -50,8 +50,18 @@ def run(
         "repair": repair,
     }
     # All meshes are read before the first is computed: bad input shows at once.
-    jobs = [Job("run", replace(settings, output=folder), parameters) for folder in _folders(output, meshes)]
-    surfaces = [job.read(mesh) for job, mesh in zip(jobs, meshes, strict=True)]
+    jobs = [
+        Job(
+            "run",
+            replace(settings, output=folder),
+            parameters,
+            [mesh],
+            inputs=[pipeline, *meshes],
+            pictures=steps.outputs,
+        )
+        for folder, mesh in zip(_folders(settings.folder("run"), meshes), meshes, strict=True)
+    ]
+    surfaces = [job.read()[0] for job in jobs]
     for job, surface in zip(jobs, surfaces, strict=True):
         with job.stage("pipeline"):
             described = steps(surface, progress=job.progress)

@@ -7,7 +7,6 @@ from typing import Annotated, Any, Literal
 import typer
 
 from qgeo_filters.cli.options import (
-    DEFAULT_OUTPUT,
     Accuracy,
     Json,
     MeshFile,
@@ -47,7 +46,7 @@ def spectrum(
     method: Method = "graph",
     accuracy: Accuracy = 1e-3,
     workers: Workers = None,
-    output: Output = DEFAULT_OUTPUT,
+    output: Output = None,
     repair: Repair = False,
     pictures: Pictures = True,
     json: Json = False,
@@ -75,8 +74,10 @@ def spectrum(
         "spectrum",
         Settings(output, quiet, json, repair, pictures),
         {**descriptor.get_params(), "repair": repair},
+        [mesh],
+        pictures=("eigenfunctions", "spectrum"),
     )
-    surface = job.read(mesh)
+    (surface,) = job.read()
     with job.stage("spectrum"):
         described = descriptor.apply(surface, progress=job.progress)
     found = descriptor.spectrum_

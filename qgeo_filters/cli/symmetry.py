@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from qgeo_filters.cli.options import (
-    DEFAULT_OUTPUT,
     Accuracy,
     Json,
     MeshFile,
@@ -34,6 +33,8 @@ if TYPE_CHECKING:
     from qgeo_filters.surface import Surface
 
 _PAIRS = 2000
+_PICTURES_OF_THE_MEASURE = ("symmetry_regions", "symmetry_sum")
+SYMMETRY_PICTURES = ("symmetry", "sides", "asymmetry", *_PICTURES_OF_THE_MEASURE)
 
 
 def symmetry(
@@ -59,7 +60,7 @@ def symmetry(
     method: Method = "graph",
     accuracy: Accuracy = 1e-3,
     workers: Workers = None,
-    output: Output = DEFAULT_OUTPUT,
+    output: Output = None,
     repair: Repair = False,
     pictures: Pictures = True,
     json: Json = False,
@@ -90,12 +91,14 @@ def symmetry(
         "accuracy": accuracy,
         "repair": repair,
     }
-    job = Job("symmetry", Settings(output, quiet, json, repair, pictures), parameters)
-    surface = job.read(mesh)
-    if explicit:
-        check_matchable(surface)
+    drawn = SYMMETRY_PICTURES if explicit else _PICTURES_OF_THE_MEASURE
+    job = Job("symmetry", Settings(output, quiet, json, repair, pictures), parameters, [mesh], pictures=drawn)
+    (surface,) = job.read()
     found = None
-    stages.check_spectrum(surface, k0)
+    with job.about():
+        if explicit:
+            check_matchable(surface)
+        stages.check_spectrum(surface, k0)
     # The matrix is held here: the stages after it find it, whatever the bound of the cache.
     with job.stage("distances"):
         metric = stages.metric_of(surface, scalar, curvature_weight, smoothing)

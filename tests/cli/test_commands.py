@@ -25,18 +25,18 @@ def test_info(qgeo: Qgeo, loaded: Loaded) -> None:
     result = qgeo("info", "square.obj")
     assert result.exit_code == 0
     assert "boundary_loops" in result.stdout
-    content, arrays = loaded(Path("qgeo-out"))
+    content, arrays = loaded(Path("qgeo-out/info"))
     found = content["results"]
     assert (found["vertices"], found["faces"], found["boundary_loops"], found["closed"]) == (49, 72, 1, False)
     assert found["area"] == pytest.approx(1.0)
     assert found["euler_characteristic"] == 1
     assert arrays["face_areas"].sum() == pytest.approx(1.0)
-    assert (Path("qgeo-out") / "surface.png").exists()
+    assert Path("qgeo-out/info/surface.png").exists()
 
 
 def test_info_describes_what_is_no_surface(qgeo: Qgeo, loaded: Loaded) -> None:
     assert qgeo("info", "fan.off").exit_code == 0
-    content, _ = loaded(Path("qgeo-out"))
+    content, _ = loaded(Path("qgeo-out/info"))
     assert content["results"]["manifold"] is False
     assert content["results"]["nonmanifold_edges"] == 1
     assert content["results"]["genus"] is None
@@ -44,19 +44,19 @@ def test_info_describes_what_is_no_surface(qgeo: Qgeo, loaded: Loaded) -> None:
 
 def test_repair_is_reported(qgeo: Qgeo, loaded: Loaded) -> None:
     assert qgeo("info", "fan.off", "--repair").exit_code == 0
-    content, _ = loaded(Path("qgeo-out"))
+    content, _ = loaded(Path("qgeo-out/info"))
     assert content["results"]["manifold"] is True
     assert content["mesh"]["repaired"]
 
 
 def test_distances_of_all_pairs(qgeo: Qgeo, loaded: Loaded) -> None:
     assert qgeo("distances", "sphere.ply", "-w", 0).exit_code == 0
-    content, arrays = loaded(Path("qgeo-out"))
+    content, arrays = loaded(Path("qgeo-out/distances"))
     surface = qg.Surface.read("sphere.ply")
     np.testing.assert_array_equal(arrays["distances"], qg.distance_matrix(surface))
     assert content["results"]["shape"] == [162, 162]
     assert content["results"]["max"] == pytest.approx(np.pi, rel=0.03)
-    written = qg.Surface.read("qgeo-out/sphere.ply")
+    written = qg.Surface.read("qgeo-out/distances/sphere.ply")
     np.testing.assert_array_equal(written.vertices, surface.vertices)
     np.testing.assert_allclose(written.attributes["qgeo_mean_distance"], arrays["distances"].mean(axis=1), rtol=1e-5)
     assert "distance_matrix.png" in content["files"]
@@ -81,7 +81,7 @@ def test_distances_on_disk(qgeo: Qgeo, loaded: Loaded, monkeypatch: pytest.Monke
     monkeypatch.setattr("qgeo_filters.cli.geodesics.ROWS", 50)
     command = ("distances", "blob.off", "--matrix", "d.zarr", "-w", 0.1)
     assert qgeo(*command).exit_code == 0
-    content, arrays = loaded(Path("qgeo-out"))
+    content, arrays = loaded(Path("qgeo-out/distances"))
     surface = qg.Surface.read("blob.off")
     expected = qg.distance_matrix(surface, qg.lifted_metric(surface, curvature_weight=0.1))
     np.testing.assert_array_equal(zarr.open_array("d.zarr", mode="r")[:], expected)
@@ -91,7 +91,7 @@ def test_distances_on_disk(qgeo: Qgeo, loaded: Loaded, monkeypatch: pytest.Monke
     assert "distances" not in arrays
     np.testing.assert_allclose(arrays["mean_distance"], expected.mean(axis=1, dtype=np.float64))
     np.testing.assert_array_equal(
-        qg.Surface.read("qgeo-out/blob.ply").attributes["qgeo_mean_distance"], arrays["mean_distance"]
+        qg.Surface.read("qgeo-out/distances/blob.ply").attributes["qgeo_mean_distance"], arrays["mean_distance"]
     )
 
 
@@ -134,26 +134,26 @@ def test_distances_between_pieces_are_counted_and_legible_json(qgeo: Qgeo, loade
     vertices = np.concatenate([sphere.vertices, sphere.vertices + 5])
     qg.Surface(vertices, np.concatenate([sphere.faces, sphere.faces + 162])).write("two.off")
     assert qgeo("distances", "two.off").exit_code == 0
-    content, arrays = loaded(Path("qgeo-out"))
+    content, arrays = loaded(Path("qgeo-out/distances"))
     assert content["results"]["unreachable_pairs"] == 2 * 162**2 == np.isinf(arrays["distances"]).sum()
 
 
 def test_spectrum(qgeo: Qgeo, loaded: Loaded) -> None:
     assert qgeo("spectrum", "blob.off", "-k", 7, "-w", 0.05).exit_code == 0
-    content, arrays = loaded(Path("qgeo-out"))
+    content, arrays = loaded(Path("qgeo-out/spectrum"))
     surface = qg.Surface.read("blob.off")
     expected = qg.distance_spectrum(surface, 7, qg.lifted_metric(surface, curvature_weight=0.05))
     np.testing.assert_allclose(arrays["eigenvalues"], expected.eigenvalues, rtol=1e-6)
     gram = arrays["eigenfunctions"].T @ (arrays["areas"][:, None] * arrays["eigenfunctions"])
     np.testing.assert_allclose(gram, np.eye(7), atol=1e-6)
     assert content["results"]["eigenvalues"] == arrays["eigenvalues"].tolist()
-    assert qg.Surface.read("qgeo-out/blob.ply").attributes["qgeo_phi"].shape == (162, 7)
+    assert qg.Surface.read("qgeo-out/spectrum/blob.ply").attributes["qgeo_phi"].shape == (162, 7)
     assert {"eigenfunctions.png", "spectrum.png"} <= set(content["files"])
 
 
 def test_multiplets_are_numbered_as_in_the_table(qgeo: Qgeo, loaded: Loaded) -> None:
     assert qgeo("spectrum", "sphere.ply", "-k", 7, "-w", 0, "--no-pictures").exit_code == 0
-    content, arrays = loaded(Path("qgeo-out"))
+    content, arrays = loaded(Path("qgeo-out/spectrum"))
     # Odd spherical harmonics only: constant, the three of degree 1, then degree 3.
     assert content["results"]["multiplets"][0] == [2, 3, 4]
     np.testing.assert_allclose(arrays["eigenvalues"][1:4], arrays["eigenvalues"][1], rtol=0.01)
@@ -161,7 +161,7 @@ def test_multiplets_are_numbered_as_in_the_table(qgeo: Qgeo, loaded: Loaded) -> 
 
 def test_path(qgeo: Qgeo, loaded: Loaded) -> None:
     assert qgeo("path", "blob.off", 3, 100, "-w", 0.05).exit_code == 0
-    content, arrays = loaded(Path("qgeo-out"))
+    content, arrays = loaded(Path("qgeo-out/path"))
     surface = qg.Surface.read("blob.off")
     metric = qg.lifted_metric(surface, curvature_weight=0.05)
     expected = quasi_geodesic(surface, 3, 100, metric)
@@ -170,7 +170,7 @@ def test_path(qgeo: Qgeo, loaded: Loaded) -> None:
     assert arrays["length"] == content["results"]["length"] == expected.length
     assert arrays["length"] == pytest.approx(qg.distances(surface, [3], metric, "exact")[0, 100], rel=1e-9)
     np.testing.assert_allclose(arrays["points"][[0, -1]], surface.vertices[[3, 100]])
-    beside = qg.Surface.read("qgeo-out/blob.ply").attributes["qgeo_path"]
+    beside = qg.Surface.read("qgeo-out/path/blob.ply").attributes["qgeo_path"]
     np.testing.assert_array_equal(np.flatnonzero(beside), np.unique(surface.faces[expected.faces]))
     assert {"path.png", "path_curvature.png"} <= set(content["files"])
 
@@ -178,7 +178,7 @@ def test_path(qgeo: Qgeo, loaded: Loaded) -> None:
 def test_path_from_a_vertex_to_itself(qgeo: Qgeo, loaded: Loaded) -> None:
     result = qgeo("path", "sphere.ply", 5, 5)
     assert result.exit_code == 0
-    assert loaded(Path("qgeo-out"))[1]["length"] == 0.0
+    assert loaded(Path("qgeo-out/path"))[1]["length"] == 0.0
 
 
 def test_warmup(qgeo: Qgeo) -> None:
@@ -198,12 +198,12 @@ def test_run_on_one_mesh(qgeo: Qgeo, loaded: Loaded, pipeline: qg.Pipeline) -> N
     names = ("qgeo_delta", "qgeo_distance")
     pipeline.save("pipe.yaml")
     assert qgeo("run", "pipe.yaml", "blob.off").exit_code == 0
-    content, arrays = loaded(Path("qgeo-out"))
+    content, arrays = loaded(Path("qgeo-out/run"))
     expected = pipeline(qg.Surface.read("blob.off")).attributes
     assert set(arrays) == set(names)
     for name in names:
         np.testing.assert_array_equal(arrays[name], expected[name])
-        np.testing.assert_array_equal(qg.Surface.read("qgeo-out/blob.ply").attributes[name], expected[name])
+        np.testing.assert_array_equal(qg.Surface.read("qgeo-out/run/blob.ply").attributes[name], expected[name])
         assert f"{name}.png" in content["files"]
     assert content["parameters"]["2. QuasiGeodesicDistances"]["sources"] == 4
 
@@ -214,7 +214,7 @@ def test_run_on_several_meshes_gives_each_a_folder(qgeo: Qgeo, loaded: Loaded, p
     pipeline.save("pipe.yaml")
     assert qgeo("run", "pipe.yaml", "blob.off", "square.obj", "other/blob.off", "--no-pictures").exit_code == 0
     for folder, path in (("blob-1", "blob.off"), ("square", "square.obj"), ("blob-2", "other/blob.off")):
-        content, arrays = loaded(Path("qgeo-out") / folder)
+        content, arrays = loaded(Path("qgeo-out/run") / folder)
         assert content["mesh"]["path"] == path
         assert len(arrays["qgeo_distance"]) == content["mesh"]["vertices"]
 
@@ -223,7 +223,7 @@ def test_run_repairs(qgeo: Qgeo, loaded: Loaded) -> None:
     qg.Pipeline([qg.QuasiGeodesicDistances()]).save("pipe.yaml")
     assert qgeo("run", "pipe.yaml", "fan.off").exit_code == 2
     assert qgeo("run", "pipe.yaml", "fan.off", "--repair").exit_code == 0
-    content, _ = loaded(Path("qgeo-out"))
+    content, _ = loaded(Path("qgeo-out/run"))
     assert content["mesh"]["repaired"]
 
 
@@ -232,13 +232,13 @@ def test_run_repairs(qgeo: Qgeo, loaded: Loaded) -> None:
 
 def test_no_pictures(qgeo: Qgeo, loaded: Loaded) -> None:
     assert qgeo("spectrum", "sphere.ply", "-k", 3, "--no-pictures").exit_code == 0
-    content, _ = loaded(Path("qgeo-out"))
+    content, _ = loaded(Path("qgeo-out/spectrum"))
     assert not [name for name in content["files"] if name.endswith(".png")]
 
 
 def test_json_is_printed_and_nothing_else(qgeo: Qgeo) -> None:
     result = qgeo("info", "sphere.ply", "--json")
-    assert json.loads(result.stdout) == json.loads(Path("qgeo-out/result.json").read_text(encoding="utf-8"))
+    assert json.loads(result.stdout) == json.loads(Path("qgeo-out/info/result.json").read_text(encoding="utf-8"))
     assert result.stderr == ""
 
 
@@ -248,14 +248,11 @@ def test_quiet_is_silent(qgeo: Qgeo) -> None:
         assert (result.exit_code, result.stdout, result.stderr) == (0, "", "")
 
 
-def test_a_new_result_replaces_an_old_one_and_leaves_other_files_alone(qgeo: Qgeo, loaded: Loaded) -> None:
-    assert qgeo("distances", "sphere.ply").exit_code == 0
-    Path("qgeo-out/notes.txt").write_text("mine")
-    assert qgeo("info", "blob.off").exit_code == 0
-    assert Path("qgeo-out/notes.txt").read_text() == "mine"
-    Path("qgeo-out/notes.txt").unlink()
-    content, _ = loaded(Path("qgeo-out"))  # the files are those of the second command and no others
-    assert content["command"] == "info"
+def test_each_command_has_its_own_folder(qgeo: Qgeo, loaded: Loaded) -> None:
+    for command in ("info", "distances"):
+        assert qgeo(command, "sphere.ply", "--no-pictures").exit_code == 0
+    for command in ("info", "distances"):
+        assert loaded(Path("qgeo-out") / command)[0]["command"] == command
 
 
 def test_same_input_same_files(qgeo: Qgeo) -> None:

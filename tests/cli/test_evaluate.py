@@ -41,12 +41,12 @@ def dataset(meshes: Path) -> Path:
 def test_matches(qgeo: Qgeo, loaded: Loaded, dataset: Path) -> None:
     result = qgeo("evaluate", "tosca", "--root", dataset, "--pairs", 2)
     assert result.exit_code == 0, result.stderr
-    content, arrays = loaded(Path("qgeo-out"))
+    content, arrays = loaded(Path("qgeo-out/evaluate"))
     found = content["results"]
     assert (found["pairs"], found["failed"], found["mirrored"]) == (2, 0, 0)
     assert found["mean_error"] == arrays["errors"].mean() < 0.01
     assert len(arrays["errors"]) == len(arrays["pair"]) == 2 * 162
-    table = Path("qgeo-out/table.md").read_text(encoding="utf-8")
+    table = Path("qgeo-out/evaluate/table.md").read_text(encoding="utf-8")
     assert [line.split("|")[1].strip() for line in table.splitlines()[2:]] == ["egg", "all"]
     assert qgeo("evaluate", "tosca", "--root", dataset, "--pairs", 2, "--no-pictures", "-o", "again").exit_code == 0
     again, _ = loaded(Path("again"))
@@ -56,7 +56,7 @@ def test_matches(qgeo: Qgeo, loaded: Loaded, dataset: Path) -> None:
 def test_symmetries(qgeo: Qgeo, loaded: Loaded, dataset: Path) -> None:
     result = qgeo("evaluate", "tosca", "--root", dataset, "--what", "symmetry", "--pairs", 1, "--no-pictures")
     assert result.exit_code == 0, result.stderr
-    content, arrays = loaded(Path("qgeo-out"))
+    content, arrays = loaded(Path("qgeo-out/evaluate"))
     assert content["results"]["pairs"] == 1
     assert arrays["errors"].mean() < 0.01
 
@@ -86,11 +86,11 @@ def test_a_pair_that_cannot_be_measured_is_named_and_the_rest_goes_on(
     assert (result.exit_code, result.stderr.count("\n")) == (1, 5)
     assert "egg0 - egg1: no ground truth for egg1" in result.stderr
     assert "egg2 - egg3: " in result.stderr
-    content, _ = loaded(Path("qgeo-out"))
+    content, _ = loaded(Path("qgeo-out/evaluate"))
     assert (content["results"]["pairs"], content["results"]["not_measured"]) == (1, 5)
     assert [row["name"] for row in content["results"]["rows"]] == ["egg0 - egg2"]
     assert content["results"]["reasons"][0]["name"] == "egg0 - egg1"
-    assert "Not measured" in Path("qgeo-out/report.html").read_text(encoding="utf-8")
+    assert "Not measured" in Path("qgeo-out/evaluate/report.html").read_text(encoding="utf-8")
 
 
 def test_where_nothing_can_be_measured_the_first_reason_is_the_error(qgeo: Qgeo, dataset: Path) -> None:
@@ -114,15 +114,15 @@ def test_an_interrupted_run_goes_on(qgeo: Qgeo, loaded: Loaded, dataset: Path, m
     monkeypatch.setattr(runner, "match", counted)
     command = ("evaluate", "tosca", "--root", dataset, "--no-pictures")
     assert qgeo(*command).exit_code == 130
-    assert [file.name for file in Path("qgeo-out/pairs").iterdir()] == ["egg0-egg1.npz"]
+    assert [file.name for file in Path("qgeo-out/evaluate/pairs").iterdir()] == ["egg0-egg1.npz"]
     result = qgeo(*command)
     assert result.exit_code == 0, result.stderr
     assert len(matched) == 4
     assert "1 of 3 results are those of an earlier run" in result.stderr
-    first, arrays = loaded(Path("qgeo-out"))
+    first, arrays = loaded(Path("qgeo-out/evaluate"))
     assert qgeo(*command).exit_code == 0
     assert len(matched) == 4
-    second, again = loaded(Path("qgeo-out"))
+    second, again = loaded(Path("qgeo-out/evaluate"))
     assert first["results"] == second["results"]
     np.testing.assert_array_equal(arrays["errors"], again["errors"])
 
@@ -132,7 +132,7 @@ def test_results_of_other_shapes_or_code_are_not_taken(
 ) -> None:
     command = ("evaluate", "tosca", "--root", dataset, "--no-pictures", "--pairs", 1)
     assert qgeo(*command).exit_code == 0
-    file = next(Path("qgeo-out/pairs").iterdir())
+    file = next(Path("qgeo-out/evaluate/pairs").iterdir())
     for mesh in (dataset / "remeshed").iterdir():
         shape = qg.Surface.read(mesh)
         shape.with_vertices(1.5 * shape.vertices).write(mesh)

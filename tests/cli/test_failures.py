@@ -109,9 +109,9 @@ def test_a_bad_mesh_among_several_is_met_before_any_is_computed(qgeo: Qgeo) -> N
 
 def test_bad_input_leaves_an_earlier_result_alone(qgeo: Qgeo) -> None:
     assert qgeo("info", "sphere.ply").exit_code == 0
-    before = {path.name: path.read_bytes() for path in Path("qgeo-out").iterdir()}
+    before = {path.name: path.read_bytes() for path in Path("qgeo-out/info").iterdir()}
     assert qgeo("spectrum", "sphere.ply", "-k", 0).exit_code == 2
-    assert {path.name: path.read_bytes() for path in Path("qgeo-out").iterdir()} == before
+    assert {path.name: path.read_bytes() for path in Path("qgeo-out/info").iterdir()} == before
 
 
 def test_too_large_a_matrix_is_refused_before_it_is_tried(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -151,7 +151,7 @@ def test_a_failing_write_leaves_no_part_of_a_file(qgeo: Qgeo, monkeypatch: pytes
     result = qgeo("info", "sphere.ply")
     assert result.exit_code == 2
     assert result.stderr == "qgeo: result.npz: No space left on device\n"
-    assert list(Path("qgeo-out").iterdir()) == []
+    assert list(Path("qgeo-out/info").iterdir()) == []
 
 
 def test_interruption_keeps_what_is_finished(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -164,9 +164,9 @@ def test_interruption_keeps_what_is_finished(qgeo: Qgeo, monkeypatch: pytest.Mon
     result = qgeo("spectrum", "sphere.ply", "-k", 3)
     assert result.exit_code == 130
     assert result.stderr == "qgeo: interrupted; what was finished is kept\n"
-    names = {path.name for path in Path("qgeo-out").iterdir()}
+    names = {path.name for path in Path("qgeo-out/spectrum").iterdir()}
     assert names == {"result.json", "result.npz", "sphere.ply", "eigenfunctions.png"}
-    assert len(np.load("qgeo-out/result.npz")["eigenvalues"]) == 3
+    assert len(np.load("qgeo-out/spectrum/result.npz")["eigenvalues"]) == 3
 
 
 # -- as a process -----------------------------------------------------------------------------------
@@ -182,7 +182,7 @@ def process(*command: object, cwd: Path, code: str = "") -> subprocess.Completed
 def test_process_succeeds(meshes: Path) -> None:
     done = process("info", "sphere.ply", "-q", cwd=meshes)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    assert (meshes / "qgeo-out" / "report.html").exists()
+    assert (meshes / "qgeo-out/info/report.html").exists()
 
 
 def test_process_needs_no_display(meshes: Path) -> None:
@@ -234,4 +234,4 @@ def test_process_interrupted_by_a_signal(meshes: Path) -> None:
     done = process("info", "sphere.ply", cwd=meshes, code=code)
     assert done.returncode == 130
     assert done.stderr == "qgeo: interrupted; what was finished is kept\n"
-    assert {path.name for path in (meshes / "qgeo-out").iterdir()} == {"result.json", "result.npz", "sphere.ply"}
+    assert {path.name for path in (meshes / "qgeo-out/info").iterdir()} == {"result.json", "result.npz", "sphere.ply"}

@@ -35,7 +35,7 @@ def test_match(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> None:
     np.savetxt("truth.txt", truth, fmt="%d")
     result = qgeo("match", "blob.off", "other/blob.off", "--truth", "truth.txt")
     assert result.exit_code == 0, result.stderr
-    content, arrays = loaded(Path("qgeo-out"))
+    content, arrays = loaded(Path("qgeo-out/match"))
     assert [mesh["path"] for mesh in content["meshes"]] == ["blob.off", "other/blob.off"]
     found = content["results"]
     np.testing.assert_array_equal(arrays["p2p"], truth)
@@ -48,7 +48,7 @@ def test_match(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> None:
     assert found["c_xy"] < 1e-3
     assert found["mean_error"] == 0.0
     assert found["percent_within_0.05"] == 100.0
-    x, y = (qg.Surface.read(f"qgeo-out/blob-{number}.ply") for number in (1, 2))
+    x, y = (qg.Surface.read(f"qgeo-out/match/blob-{number}.ply") for number in (1, 2))
     np.testing.assert_array_equal(x.attributes["qgeo_correspondence"], truth)
     np.testing.assert_array_equal(x.attributes["qgeo_region"], arrays["regions_x"])
     np.testing.assert_array_equal(y.attributes["qgeo_region"], arrays["regions_y"])
@@ -65,7 +65,7 @@ def test_match(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> None:
         "match_log.md",
     }
     assert pictures <= set(content["files"])
-    rows = Path("qgeo-out/match_log.md").read_text().splitlines()
+    rows = Path("qgeo-out/match/match_log.md").read_text().splitlines()
     assert rows[2].endswith("| chosen |")
     assert len(rows) > 4
 
@@ -77,7 +77,7 @@ def test_errors_are_measured_on_y(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray)
     np.savez("truth.npz", truth=wrong, something_else=np.zeros(3))
     command = ("match", "blob.off", "other/blob.off", "--truth", "truth.npz", "--no-pictures")
     assert qgeo(*command).exit_code == 0
-    _, arrays = loaded(Path("qgeo-out"))
+    _, arrays = loaded(Path("qgeo-out/match"))
     expected = qg.distances(y, [truth[7]])[0, truth[90]] / np.sqrt(y.area)
     assert arrays["errors"][7] == pytest.approx(expected, rel=1e-3)
     assert np.flatnonzero(arrays["errors"]).tolist() == [7]
