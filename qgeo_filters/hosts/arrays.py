@@ -10,7 +10,8 @@ import numpy as np
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.protocol import host_of, registered_hosts
 from qgeo_filters.io.formats import read_raw
-from qgeo_filters.io.raw_mesh import RawMesh, triangles
+from qgeo_filters.io.polygons import Polygons, triangulated
+from qgeo_filters.io.raw_mesh import RawMesh
 from qgeo_filters.surface import Surface
 
 
@@ -51,6 +52,6 @@ def _split(vertices: Any, faces: Any, repair: bool) -> RawMesh:
     except ValueError:  # rows of different lengths: whoever checks the arrays says so
         return RawMesh(vertices, faces)
     if repair and corners.ndim == 2 and corners.shape[1] > 3:
-        corners, notes = triangles(corners, repair)
+        corners, notes = triangulated(vertices, Polygons.of_rows(corners), repair)
         return RawMesh(vertices, corners, notes=notes)
     return RawMesh(vertices, corners)

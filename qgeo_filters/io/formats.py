@@ -4,8 +4,8 @@
 suffix              read                                          written
 ==================  ============================================  =======================================
 .ply                ascii and binary, all vertex properties       binary, float64, every attribute
-.off                OFF, COFF, NOFF; positions and faces          17 digits
-.obj                positions and faces; groups are joined        17 digits
+.off                OFF; COFF's colours, NOFF's normals           17 digits
+.obj                faces, colours of vertices; groups joined     17 digits
 .stl                ascii and binary; equal corners are welded    binary, float32
 .gii                GIFTI, by nibabel; arrays are attributes      -
 lh.pial, rh.white   FreeSurfer, by nibabel; told by its bytes     -
@@ -27,7 +27,7 @@ import numpy as np
 
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.errors import MeshError
-from qgeo_filters.io import brain_surfaces, gltf, off_obj, ply, stl, tosca
+from qgeo_filters.io import brain_surfaces, gltf, obj, off, ply, stl, tosca
 from qgeo_filters.io.raw_mesh import RawMesh
 from qgeo_filters.io.single_precision import single_precision_note
 
@@ -36,8 +36,8 @@ Writer = Callable[[Path, FloatArray, IntArray], None]
 
 _READERS: dict[str, Reader] = {
     ".ply": ply.read,
-    ".off": off_obj.read_off,
-    ".obj": off_obj.read_obj,
+    ".off": off.read,
+    ".obj": obj.read,
     ".stl": stl.read,
     ".glb": gltf.read,
     ".gltf": gltf.read,
@@ -47,8 +47,8 @@ _READERS: dict[str, Reader] = {
     ".gii": brain_surfaces.read_gifti,
 }
 _WRITERS: dict[str, Writer] = {
-    ".off": off_obj.write_off,
-    ".obj": off_obj.write_obj,
+    ".off": off.write,
+    ".obj": obj.write,
     ".stl": stl.write,
     ".glb": gltf.write,
     ".vert": tosca.write_pair,
@@ -92,7 +92,7 @@ def read_raw(path: str | os.PathLike[str], *, repair: bool = False) -> RawMesh:
         reader = brain_surfaces.read_freesurfer
     if reader is None:
         raise MeshError(f"{file}: unknown suffix {file.suffix!r}; read are {', '.join(_READERS)}")
-    with path_in_errors(file):
+    with path_in_errors(file), np.errstate(all="ignore"):  # what is not finite is found by the checks
         raw = reader(file, repair)
     if not repair:
         for note in raw.notes:

@@ -21,7 +21,8 @@ from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import MeshError
 from qgeo_filters.io.damage import DAMAGED_FILE
-from qgeo_filters.io.raw_mesh import RawMesh, triangles
+from qgeo_filters.io.polygons import Polygons, triangulated
+from qgeo_filters.io.raw_mesh import RawMesh
 
 _MARK = "qgeo_attribute "
 _NATIVE = {"i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8"}
@@ -43,7 +44,7 @@ def read(path: Path, repair: bool) -> RawMesh:
     if not {"x", "y", "z"} <= set(names):
         raise MeshError(f"the vertices have no x, y, z, only {', '.join(names)}")
     positions = np.column_stack([vertex[axis] for axis in "xyz"])
-    faces, notes = triangles(_polygons(elements), repair)
+    faces, notes = triangulated(positions, Polygons.of_rows(_polygons(elements)), repair)
     columns = {name: vertex[name] for name in names if name not in ("x", "y", "z")}
     return RawMesh(positions, faces, _attributes(columns, ply.comments, len(vertex)), notes)
 
