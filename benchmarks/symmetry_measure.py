@@ -43,7 +43,7 @@ def mirror_ratios(spectrum: Spectrum, image: np.ndarray) -> list[float]:
 def table_1(tosca: Path, name: str, weight: float = 0.0) -> dict[str, Any]:
     """Numbers of vertices as published and used, and epsilon with five and twenty eigenvectors over sqrt(n)."""
     published = sum(1 for line in (tosca / "lowres" / f"{name}.vert").read_text().splitlines() if line.strip())
-    surface, _ = Surface.read(tosca / "lowres" / f"{name}.vert", repair=True).largest_component()
+    surface, _ = Surface.read(tosca / "lowres" / f"{name}.vert", repair="force").largest_component()
     spectrum = distance_spectrum(surface, 20, lifted_metric(surface, curvature_weight=weight), mass="uniform")
     five, twenty = (symmetry_epsilon(spectrum, k0=k, reading="printed") / np.sqrt(spectrum.n_vertices) for k in (5, 20))
     return {"n": published, "used": surface.n_vertices, "five": float(five), "twenty": float(twenty)}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal, TypeAlias
+
 import numpy as np
 import numpy.typing as npt
 
@@ -13,3 +15,5 @@ SingleArray = npt.NDArray[np.float32]
 IndexArray = npt.NDArray[np.int64]
 #: Tables of a mesh: faces, edges, half-edges, labels of vertices.
 IntArray = npt.NDArray[np.int32]
+#: Whether a mesh is repaired as it is read; "force" goes through with a repair that removes much of it.
+RepairOption: TypeAlias = bool | Literal["force"]

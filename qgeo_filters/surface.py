@@ -12,13 +12,15 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters import connectivity
-from qgeo_filters._typing import FloatArray, IntArray
+from qgeo_filters._typing import FloatArray, IndexArray, IntArray, RepairOption
 from qgeo_filters.errors import DisconnectedError, MeshError, NonManifoldError
 from qgeo_filters.io.formats import path_in_errors, read_raw, write_raw
 from qgeo_filters.io.raw_mesh import RawMesh
 from qgeo_filters.repair.triangle_soup import repaired_mesh
+from qgeo_filters.repair.welding import not_welded, welded
+from qgeo_filters.repair.winding import Winding, winding
 from qgeo_filters.triangle_geometry import face_crosses, unit_normals
-from qgeo_filters.validation import checked_attributes, checked_faces, checked_vertices, frozen, listed
+from qgeo_filters.validation import checked_attributes, checked_faces, checked_repair, checked_vertices, frozen, listed
 
 
 class Surface:
@@ -91,15 +93,16 @@ class Surface:
         return cls(raw.vertices, raw.faces, raw.attributes)
 
     @classmethod
-    def read(cls, path: str | PathLike[str], *, repair: bool = False) -> Surface:
+    def read(cls, path: str | PathLike[str], *, repair: RepairOption = False) -> Surface:
         """Surface from a file.
 
         Parameters
         ----------
         path : path
             OFF, OBJ, PLY, STL, GLB, TOSCA's .vert/.tri and .mat, told by the suffix, see `io.formats`.
-        repair : bool
+        repair : bool or "force"
             Triangulate polygons and make the mesh manifold and one piece; `repair_surface` also says what was changed.
+            More than a hundredth of the area is removed only with "force".
 
         Raises
         ------
@@ -107,9 +110,9 @@ class Surface:
         MeshError
             An unknown suffix, a malformed file, polygons, an invalid mesh; the message starts with the path.
         """
-        raw = read_raw(path, repair=repair)
+        raw = read_raw(path, repair=bool(checked_repair(repair)))
         with path_in_errors(path):
-            return cls.from_raw(repaired_mesh(raw).mesh if repair else raw)
+            return cls.from_raw(repaired_mesh(raw, force=repair == "force").mesh if repair else raw)
 
     def write(self, path: str | PathLike[str]) -> None:
         """Write to a file, atomically; PLY keeps every attribute, others drop them with a warning, see `io.formats`."""
@@ -121,6 +124,10 @@ class Surface:
         together = MappingProxyType({**self.attributes, **checked_attributes(attributes, self.n_vertices)})
         other.__dict__.update(self.__dict__, attributes=together)
         return other
+
+    def turned_over(self) -> Surface:
+        """The same surface with all faces looking to the other side."""
+        return Surface(self.vertices, self.faces[:, ::-1], self.attributes)
 
     def with_vertices(self, vertices: npt.ArrayLike) -> Surface:
         """Surface of the same faces and attributes at other positions: another pose."""
@@ -282,6 +289,17 @@ class Surface:
         """Whether neighbouring faces agree on which side is out."""
         return connectivity.flipped_edges(self.faces, self.twins).size == 0
 
+    @cached_property
+    def winding(self) -> Winding:
+        """Which side the faces take for out: "outward", "inward", "mixed" or "undetermined", see `repair.winding`."""
+        return winding(self.vertices, self.faces)
+
+    @cached_property
+    def unwelded_vertices(self) -> IndexArray:
+        """Boundary vertices that lie where others do, along edges of both: what ``repair=True`` joins with those."""
+        joined, _ = welded(self.vertices, self.faces)
+        return _kept(np.flatnonzero(joined != np.arange(self.n_vertices)))
+
     @property
     def euler_characteristic(self) -> int:
         """V - E + F over the vertices that have faces."""
@@ -323,9 +341,10 @@ class Surface:
         sizes = np.sort(np.bincount(labels))[::-1]
         loose = self.unreferenced_vertices
         without = f", {loose.size} of them single vertices without faces ({listed(loose)})" if loose.size else ""
+        double = self.unwelded_vertices.size
         raise DisconnectedError(
-            f"{purpose} needs a mesh in one piece, but there are {count} pieces of {listed(sizes)} vertices"
-            f"{without}; take surface.largest_component()[0], or repair=True"
+            f"{purpose} needs a mesh in one piece, but there are {count} pieces of {listed(sizes)} vertices{without}; "
+            + (not_welded(double) if double else "take surface.largest_component()[0], or repair=True")
         )
 
 

@@ -8,7 +8,7 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters._typing import FloatArray, IntArray
+from qgeo_filters._typing import FloatArray, IntArray, RepairOption
 from qgeo_filters.errors import MeshError, ParameterError
 
 
@@ -90,6 +90,13 @@ def checked_attributes(attributes: Mapping[str, npt.ArrayLike], n_vertices: int)
             raise MeshError(f"attribute {name!r} has shape {array.shape}, but there are {n_vertices} vertices")
         checked[str(name)] = frozen(array)
     return MappingProxyType(checked)
+
+
+def checked_repair(repair: RepairOption) -> RepairOption:
+    """The option as it is, or `ParameterError`."""
+    if isinstance(repair, (bool, np.bool_)) or (isinstance(repair, str) and repair == "force"):
+        return repair
+    raise ParameterError(f"repair must be True, False or 'force', got {repair!r}")
 
 
 def checked_count(value: int, low: int, high: int | None, name: str, most: str | None = None) -> int:

@@ -27,6 +27,8 @@ class Animal:
         Arrays, or the path of a file.
     construction, geodesics, repair : str or None
         Pattern of the error's message; None if it goes through. What fails at construction has no geodesics.
+    loss : str or None
+        Pattern of what repair says where it removes so much that it must be forced.
     repaired : (vertices, faces) or None
         Sizes after repair; None where nothing is to be changed.
     report : str
@@ -38,6 +40,7 @@ class Animal:
     construction: str | None = None
     geodesics: str | None = None
     repair: str | None = None
+    loss: str | None = None
     repaired: tuple[int, int] | None = None
     report: str = ""
 
@@ -143,18 +146,20 @@ GENERATED = [
     ),
     Animal(
         "three faces on an edge", fan, geodesics=r"edge \(0, 1\) has 3 faces \(1 such edge\)",
+        loss=r"would remove 3\d\.?\d* % of the area .*there are 2 pieces, of 2, 1 faces",
         repaired=(4, 2), report="1 edge of three or more faces cut open",
     ),
     Animal(
         "fin on a sphere", lambda: (np.vstack([V, [[3, 3, 3]]]), np.vstack([F, [[*F[0, :2], N]]])),
-        geodesics="has 3 faces", repaired=(N, M), report="1 smaller piece with 1 face removed",
+        geodesics="has 3 faces", loss=r"would remove 1\d\.?\d* % of the area .*2 pieces, of 80, 1 faces",
+        repaired=(N, M), report="1 smaller piece with 1 face removed",
     ),
     Animal(
-        "bow-tie", bow_tie, geodesics="vertex 0 form more than one fan",
+        "bow-tie", bow_tie, geodesics="vertex 0 form more than one fan", loss="would remove 50 % of the area",
         repaired=(3, 1), report="1 vertex added where faces met in more than one fan",
     ),
     Animal(
-        "two cubes on an edge", cubes_on_an_edge, geodesics="has 4 faces",
+        "two cubes on an edge", cubes_on_an_edge, geodesics="has 4 faces", loss="2 pieces, of 12, 12 faces",
         repaired=(8, 12), report="1 edge of three or more faces cut open",
     ),
     Animal("Moebius band", moebius, report="not orientable"),
@@ -169,6 +174,7 @@ GENERATED = [
     ),
     Animal(
         "several pieces", lambda: (np.vstack([V / 2, V + 5]), np.vstack([F, F + N])),
+        loss=r"would remove 20 % of the area .*there are 2 pieces, of 80, 80 faces; .*repair='force'",
         repaired=(N, M), report="1 smaller piece with 80 faces removed; the largest, kept, has 80 % of the area",
     ),
     Animal("scale 1e-9", lambda: (1e-9 * V, F)),
@@ -202,8 +208,32 @@ def files(data: Path) -> list[Animal]:
         animal("tet.obj"),
         animal("dodecahedron_poly.obj", polygons, repaired=(20, 36), report="12 polygons split into 36 triangles"),
         animal("moebius.obj", polygons, repaired=(280, 448), report="224 polygons split into 448 triangles"),
-        animal("platonic_shelf.obj", polygons, repaired=(20, 36), report="4 smaller pieces"),
-        animal("fan3.obj", geodesics="has 3 faces", repaired=(4, 2), report="1 edge of three or more"),
-        animal("hourglass_ico.obj", geodesics="more than one fan", repaired=(12, 20), report="1 vertex added"),
-        animal("triple_vierbein.obj", geodesics="has 3 faces", repaired=(43, 54), report="20 edges of three or more"),
+        animal(
+            "platonic_shelf.obj",
+            polygons,
+            loss="there are 5 pieces, of 36, ",
+            repaired=(20, 36),
+            report="4 smaller pieces",
+        ),
+        animal(
+            "fan3.obj",
+            geodesics="has 3 faces",
+            loss="2 pieces, of 2, 1 faces",
+            repaired=(4, 2),
+            report="1 edge of three or more",
+        ),
+        animal(
+            "hourglass_ico.obj",
+            geodesics="more than one fan",
+            loss="2 pieces, of 20, ",
+            repaired=(12, 20),
+            report="1 vertex added",
+        ),
+        animal(
+            "triple_vierbein.obj",
+            geodesics="has 3 faces",
+            loss="3 pieces, of 54, 36, 18 faces",
+            repaired=(43, 54),
+            report="20 edges of three or more",
+        ),
     ]

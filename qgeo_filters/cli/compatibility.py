@@ -8,7 +8,18 @@ from typing import Annotated
 
 import typer
 
-from qgeo_filters.cli.options import Json, Output, Pictures, Quiet, Repair, Settings, Weight, Workers
+from qgeo_filters.cli.options import (
+    Force,
+    Json,
+    Output,
+    Pictures,
+    Quiet,
+    Repair,
+    Settings,
+    Weight,
+    Workers,
+    repair_option,
+)
 from qgeo_filters.cli.spectral import Count
 from qgeo_filters.defaults import CURVATURE_WEIGHT, EIGENPAIRS
 
@@ -26,6 +37,7 @@ def compatibility(
     workers: Workers = None,
     output: Output = None,
     repair: Repair = False,
+    force: Force = False,
     pictures: Pictures = True,
     json: Json = False,
     quiet: Quiet = False,
@@ -44,8 +56,9 @@ def compatibility(
     from qgeo_filters.report.html import Table
     from qgeo_filters.report.maps import plot_poses
 
-    parameters = {"baselines": list(baselines), "k": k, "curvature_weight": curvature_weight, "repair": repair}
-    settings = Settings(output, quiet, json, repair, pictures)
+    mend = repair_option(repair, force)
+    parameters = {"baselines": list(baselines), "k": k, "curvature_weight": curvature_weight, "repair": mend}
+    settings = Settings(output, quiet, json, mend, pictures)
     job = Job("compatibility", settings, parameters, meshes, pictures=("poses", "c_xy"))
     poses = job.read()
     with job.stage("compatibility"):

@@ -13,6 +13,8 @@ from qgeo_filters.errors import QgeoError
 
 BAD_INPUT = 2
 INTERRUPTED = 130
+# The library's advice names its own arguments.
+_OPTIONS = {"repair=True": "--repair", "repair='force'": "--force-repair", "normalize=True": "--normalize"}
 
 
 class OneLineErrors(TyperGroup):
@@ -62,6 +64,7 @@ def fail(message: str) -> NoReturn:
 def _sentence(error: BaseException) -> str:
     if isinstance(error, OSError) and error.strerror and error.filename:
         return f"{error.filename}: {error.strerror}"
-    # The library's advice names its own argument.
-    message = str(error).replace("repair=True", "--repair").replace("normalize=True", "--normalize")
+    message = str(error)
+    for argument, option in _OPTIONS.items():
+        message = message.replace(argument, option)
     return message or type(error).__name__

@@ -10,6 +10,7 @@ import typer
 
 from qgeo_filters.cli.options import (
     Accuracy,
+    Force,
     Json,
     MeshFile,
     Method,
@@ -22,6 +23,7 @@ from qgeo_filters.cli.options import (
     Smoothing,
     Weight,
     Workers,
+    repair_option,
 )
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.errors import ParameterError
@@ -58,6 +60,7 @@ def distances(
     workers: Workers = None,
     output: Output = None,
     repair: Repair = False,
+    force: Force = False,
     pictures: Pictures = True,
     json: Json = False,
     quiet: Quiet = False,
@@ -77,6 +80,7 @@ def distances(
     from qgeo_filters.validation import checked_indices
 
     chosen = _indices(sources)
+    mend = repair_option(repair, force)
     parameters = {
         "sources": chosen or "all",
         "matrix": matrix,
@@ -85,14 +89,14 @@ def distances(
         "smoothing": smoothing,
         "method": method,
         "accuracy": accuracy,
-        "repair": repair,
+        "repair": mend,
     }
     if chosen and matrix is not None:
         raise ParameterError("--matrix holds the distances between all pairs: leave out --sources, or --matrix")
     drawn = [f"distance_{vertex}" for vertex in chosen[:_FIELDS]] or ["distance_matrix", "mean_distance"]
     job = Job(
         "distances",
-        Settings(output, quiet, json, repair, pictures),
+        Settings(output, quiet, json, mend, pictures),
         parameters,
         [mesh],
         inputs=[] if matrix is None else [matrix],
@@ -189,6 +193,7 @@ def path(
     smoothing: Smoothing = 0.0,
     output: Output = None,
     repair: Repair = False,
+    force: Force = False,
     pictures: Pictures = True,
     json: Json = False,
     quiet: Quiet = False,
@@ -205,15 +210,16 @@ def path(
     from qgeo_filters.report.figures import plot_path, plot_path_curvature
     from qgeo_filters.validation import checked_index
 
+    mend = repair_option(repair, force)
     parameters = {
         "i": i,
         "j": j,
         "curvature_weight": curvature_weight,
         "scalar": scalar,
         "smoothing": smoothing,
-        "repair": repair,
+        "repair": mend,
     }
-    settings = Settings(output, quiet, json, repair, pictures)
+    settings = Settings(output, quiet, json, mend, pictures)
     job = Job("path", settings, parameters, [mesh], pictures=("path", "path_curvature"))
     (surface,) = job.read()
     start, end = checked_index(i, surface.n_vertices, "I"), checked_index(j, surface.n_vertices, "J")

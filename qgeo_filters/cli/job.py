@@ -121,7 +121,7 @@ class Job:
         with self.stage("read", index):
             changes: Sequence[str] = ()
             if self.settings.repair:
-                repaired = repair_surface(path)
+                repaired = repair_surface(path, force=self.settings.repair == "force")
                 surface, changes = repaired.surface, repaired.report
             else:
                 surface = Surface.read(path)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from qgeo_filters.cli.options import Json, Output, Pictures, Quiet, Repair, Settings, Workers
+from qgeo_filters.cli.options import Force, Json, Output, Pictures, Quiet, Repair, Settings, Workers, repair_option
 from qgeo_filters.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -41,6 +41,7 @@ def match(
     workers: Workers = None,
     output: Output = None,
     repair: Repair = False,
+    force: Force = False,
     pictures: Pictures = True,
     json: Json = False,
     quiet: Quiet = False,
@@ -59,10 +60,11 @@ def match(
     from qgeo_filters.filters import stages
     from qgeo_filters.matching.prepared_shape import check_same_size
 
-    parameters = {"normalize": normalize, "truth": None if truth is None else str(truth), "repair": repair}
+    mend = repair_option(repair, force)
+    parameters = {"normalize": normalize, "truth": None if truth is None else str(truth), "repair": mend}
     job = Job(
         "match",
-        Settings(output, quiet, json, repair, pictures),
+        Settings(output, quiet, json, mend, pictures),
         parameters,
         [x, y],
         names=("X", "Y"),

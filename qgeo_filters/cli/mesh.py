@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from qgeo_filters.cli.options import Json, MeshFile, Output, Pictures, Quiet, Repair, Settings
+from qgeo_filters.cli.options import Force, Json, MeshFile, Output, Pictures, Quiet, Repair, Settings, repair_option
 
 if TYPE_CHECKING:
     from qgeo_filters.surface import Surface
@@ -15,6 +15,7 @@ def info(
     mesh: MeshFile,
     output: Output = None,
     repair: Repair = False,
+    force: Force = False,
     pictures: Pictures = True,
     json: Json = False,
     quiet: Quiet = False,
@@ -23,7 +24,8 @@ def info(
     from qgeo_filters.cli.job import Job
     from qgeo_filters.report.figures import plot_surface
 
-    job = Job("info", Settings(output, quiet, json, repair, pictures), {"repair": repair}, [mesh], pictures=["surface"])
+    mend = repair_option(repair, force)
+    job = Job("info", Settings(output, quiet, json, mend, pictures), {"repair": mend}, [mesh], pictures=["surface"])
     (surface,) = job.read()
     with job.stage("describe"):
         results = {**job.meshes[0], **details(surface)}
@@ -42,9 +44,11 @@ def details(surface: Surface) -> dict[str, Any]:
     return {
         "closed": surface.is_closed,
         "oriented": surface.is_oriented,
+        "winding": surface.winding,
         "euler_characteristic": surface.euler_characteristic,
         "nonmanifold_edges": len(surface.nonmanifold_edges),
         "nonmanifold_vertices": len(surface.nonmanifold_vertices),
+        "unwelded_vertices": len(surface.unwelded_vertices),
         "unreferenced_vertices": len(surface.unreferenced_vertices),
         "faces_without_area": int((surface.face_areas == 0).sum()),
         "edge_length_min": float(lengths.min()),

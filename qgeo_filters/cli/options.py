@@ -8,6 +8,8 @@ from typing import Annotated, Literal
 
 import typer
 
+from qgeo_filters._typing import RepairOption
+
 MeshFile = Annotated[
     Path,
     typer.Argument(metavar="MESH", help="OFF, OBJ, PLY, STL, GLB, or TOSCA's .vert/.tri, .mat.", show_default=False),
@@ -26,6 +28,9 @@ Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but er
 Json = Annotated[bool, typer.Option("--json", help="Print result.json instead of the table.")]
 Repair = Annotated[
     bool, typer.Option("--repair", help="Make the mesh manifold and one piece first; the report says what changed.")
+]
+Force = Annotated[
+    bool, typer.Option("--force-repair", help="Repair even where more than a hundredth of the area is removed by it.")
 ]
 Pictures = Annotated[bool, typer.Option("--pictures/--no-pictures", help="Write PNG pictures.")]
 Scalar = Annotated[
@@ -66,6 +71,11 @@ Workers = Annotated[
 ]
 
 
+def repair_option(repair: bool, force: bool) -> RepairOption:
+    """What ``--repair`` and ``--force-repair`` ask for together."""
+    return "force" if force else repair
+
+
 @dataclass(frozen=True)
 class Settings:
     """What a command is asked to do with its results."""
@@ -73,7 +83,7 @@ class Settings:
     output: Path | None = None
     quiet: bool = False
     json: bool = False
-    repair: bool = False
+    repair: RepairOption = False
     pictures: bool = True
 
     def folder(self, command: str) -> Path:

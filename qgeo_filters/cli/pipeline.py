@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from qgeo_filters.cli.options import Json, Output, Pictures, Quiet, Repair, Settings, Workers
+from qgeo_filters.cli.options import Force, Json, Output, Pictures, Quiet, Repair, Settings, Workers, repair_option
 from qgeo_filters.errors import ParameterError, QgeoError
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ def run(
     workers: Workers = None,
     output: Output = None,
     repair: Repair = False,
+    force: Force = False,
     pictures: Pictures = True,
     json: Json = False,
     quiet: Quiet = False,
@@ -42,12 +43,13 @@ def run(
         steps = Pipeline.load(pipeline)
     except (QgeoError, UnicodeDecodeError) as error:
         raise ParameterError(f"{pipeline}: {error}") from error
-    settings = Settings(output, quiet, json, repair, pictures)
+    mend = repair_option(repair, force)
+    settings = Settings(output, quiet, json, mend, pictures)
     numbered = enumerate(steps.steps, start=1)
     parameters = {
         "pipeline": str(pipeline),
         **{f"{position}. {type(step).__name__}": step.get_params() for position, step in numbered},
-        "repair": repair,
+        "repair": mend,
     }
     # All meshes are read before the first is computed: bad input shows at once.
     jobs = [

@@ -8,6 +8,7 @@ import typer
 
 from qgeo_filters.cli.options import (
     Accuracy,
+    Force,
     Json,
     MeshFile,
     Method,
@@ -20,6 +21,7 @@ from qgeo_filters.cli.options import (
     Smoothing,
     Weight,
     Workers,
+    repair_option,
 )
 from qgeo_filters.defaults import CURVATURE_WEIGHT, EIGENPAIRS
 
@@ -48,6 +50,7 @@ def spectrum(
     workers: Workers = None,
     output: Output = None,
     repair: Repair = False,
+    force: Force = False,
     pictures: Pictures = True,
     json: Json = False,
     quiet: Quiet = False,
@@ -70,10 +73,11 @@ def spectrum(
         method=method,
         accuracy=accuracy,
     )
+    mend = repair_option(repair, force)
     job = Job(
         "spectrum",
-        Settings(output, quiet, json, repair, pictures),
-        {**descriptor.get_params(), "repair": repair},
+        Settings(output, quiet, json, mend, pictures),
+        {**descriptor.get_params(), "repair": mend},
         [mesh],
         pictures=("eigenfunctions", "spectrum"),
     )

@@ -8,6 +8,7 @@ import typer
 
 from qgeo_filters.cli.options import (
     Accuracy,
+    Force,
     Json,
     MeshFile,
     Method,
@@ -20,6 +21,7 @@ from qgeo_filters.cli.options import (
     Smoothing,
     Weight,
     Workers,
+    repair_option,
 )
 from qgeo_filters.defaults import CURVATURE_WEIGHT, SYMMETRY_K0
 
@@ -62,6 +64,7 @@ def symmetry(
     workers: Workers = None,
     output: Output = None,
     repair: Repair = False,
+    force: Force = False,
     pictures: Pictures = True,
     json: Json = False,
     quiet: Quiet = False,
@@ -78,6 +81,7 @@ def symmetry(
     from qgeo_filters.filters import stages
     from qgeo_filters.matching.prepared_shape import check_matchable
 
+    mend = repair_option(repair, force)
     parameters = {
         "map": explicit,
         "k0": k0,
@@ -89,10 +93,10 @@ def symmetry(
         "smoothing": smoothing,
         "method": method,
         "accuracy": accuracy,
-        "repair": repair,
+        "repair": mend,
     }
     drawn = SYMMETRY_PICTURES if explicit else _PICTURES_OF_THE_MEASURE
-    job = Job("symmetry", Settings(output, quiet, json, repair, pictures), parameters, [mesh], pictures=drawn)
+    job = Job("symmetry", Settings(output, quiet, json, mend, pictures), parameters, [mesh], pictures=drawn)
     (surface,) = job.read()
     found = None
     with job.about():

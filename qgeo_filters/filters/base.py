@@ -12,6 +12,7 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 
 from qgeo_filters._deprecation import renamed_parameters
+from qgeo_filters._typing import RepairOption
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.caching import cache
 from qgeo_filters.errors import MeshError, ParameterError
@@ -21,6 +22,7 @@ from qgeo_filters.hosts.dispatch import as_surface, is_host_mesh, write_back
 from qgeo_filters.hosts.repair import Repair, repair_surface
 from qgeo_filters.parallel import default_workers
 from qgeo_filters.surface import Surface
+from qgeo_filters.validation import checked_repair
 
 FilterType = TypeVar("FilterType", bound="Filter")
 
@@ -64,7 +66,9 @@ class Filter:
         """Surface with the filter's attributes added."""
         return surface.with_attributes(self.compute(surface, progress))
 
-    def __call__(self, mesh: Any, *, repair: bool = False, progress: bool = False, workers: int | None = None) -> Any:
+    def __call__(
+        self, mesh: Any, *, repair: RepairOption = False, progress: bool = False, workers: int | None = None
+    ) -> Any:
         """Mesh of the same kind with the filter's attributes; the input is not changed.
 
         Parameters
@@ -72,8 +76,9 @@ class Filter:
         mesh : mesh object, (V, F) or path
             Whatever `as_surface` takes: a mesh of Open3D, PyMeshLab, PyVista or trimesh, a `Surface`. A legacy
             Open3D mesh comes back as the tensor kind, a ``(V, F)`` pair and a path as a `Surface`.
-        repair : bool
-            Work on a repaired copy where the mesh is not manifold or not in one piece. Attributes are
+        repair : bool or "force"
+            Work on a repaired copy where the mesh is not manifold or not in one piece; where more than a hundredth of
+            the area would have to go, only with "force". Attributes are
             carried back to the vertices of the input (NaN, or -1 for indices, where a vertex had to go);
             ``repair_`` says what was changed. Where not even a `Surface` can hold the input (a pair or file
             with indices out of range, say), the repaired `Surface` is returned.
@@ -89,10 +94,10 @@ class Filter:
         """
         self.repair_ = None
         with cache.held(), default_workers(workers):
-            if not repair:
+            if not checked_repair(repair):
                 surface = as_surface(mesh)
                 return write_back(mesh, surface, _added(surface, self.apply(surface, progress)))
-            self.repair_ = repair_surface(mesh)
+            self.repair_ = repair_surface(mesh, force=repair == "force")
             fixed = self.repair_.surface
             added = _added(fixed, self.apply(fixed, progress))
         back = {name: self._carried_back(self.repair_, name, values) for name, values in added.items()}

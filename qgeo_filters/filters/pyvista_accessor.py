@@ -14,6 +14,7 @@ from typing import Any
 
 import pyvista
 
+from qgeo_filters._typing import RepairOption
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.registry import registered_filters
 from qgeo_filters.hosts.dispatch import as_surface
@@ -40,7 +41,7 @@ class QgeoAccessor:
         self,
         filter: Callable[..., pyvista.PolyData],
         *,
-        repair: bool = False,
+        repair: RepairOption = False,
         progress: bool = False,
         workers: int | None = None,
     ) -> pyvista.PolyData:
@@ -56,7 +57,7 @@ class QgeoAccessor:
         filter_class = known[name]
 
         def method(
-            *, repair: bool = False, progress: bool = False, workers: int | None = None, **parameters: Any
+            *, repair: RepairOption = False, progress: bool = False, workers: int | None = None, **parameters: Any
         ) -> pyvista.PolyData:
             return self.apply(filter_class(**parameters), repair=repair, progress=progress, workers=workers)
 

@@ -13,12 +13,13 @@ from typing import Any, TypeAlias, Union
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import RepairOption
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.arrays import is_pair, is_path, raw_mesh
 from qgeo_filters.hosts.protocol import host_of
 from qgeo_filters.hosts.repair import repair_surface
 from qgeo_filters.surface import Surface
-from qgeo_filters.validation import checked_attributes
+from qgeo_filters.validation import checked_attributes, checked_repair
 
 __all__ = ["SurfaceLike", "as_surface", "is_host_mesh", "raw_mesh", "with_positions", "write_back"]
 
@@ -26,7 +27,7 @@ __all__ = ["SurfaceLike", "as_surface", "is_host_mesh", "raw_mesh", "with_positi
 SurfaceLike: TypeAlias = Union[Surface, tuple[npt.ArrayLike, npt.ArrayLike], str, "os.PathLike[str]", Any]
 
 
-def as_surface(obj: SurfaceLike, *, repair: bool = False) -> Surface:
+def as_surface(obj: SurfaceLike, *, repair: RepairOption = False) -> Surface:
     """Surface of a mesh object of any host.
 
     Parameters
@@ -38,17 +39,17 @@ def as_surface(obj: SurfaceLike, *, repair: bool = False) -> Surface:
         Never changed. Per-vertex attributes come along: ``mesh.vertex[...]`` of Open3D (positions apart;
         normals and colours under their names), custom scalar and point attributes of PyMeshLab,
         ``point_data`` of PyVista, ``vertex_attributes`` of trimesh.
-    repair : bool
-        Make the mesh manifold and one piece; polygons are triangulated. To learn what was changed and to carry
-        values back, call `repair.repair_surface` instead.
+    repair : bool or "force"
+        Make the mesh manifold and one piece; polygons are triangulated. More than a hundredth of the area is removed
+        only with "force". To learn what was changed and to carry values back, call `repair_surface` instead.
 
     Raises
     ------
     MeshError
         What is no mesh, or a mesh that cannot be held; the message says what, where and how often.
     """
-    if repair:
-        return repair_surface(obj).surface
+    if checked_repair(repair):
+        return repair_surface(obj, force=repair == "force").surface
     if isinstance(obj, Surface):
         return obj
     if is_path(obj):

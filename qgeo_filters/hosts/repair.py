@@ -30,7 +30,8 @@ class Repair:
     origin : (n_new,) int64
         Original index of each vertex; one original vertex may appear several times, where it was split.
     vertex_of_original : (n_old,) int64
-        Vertex that stands for each original one, -1 where it is gone.
+        Vertex that stands for each original one, -1 where it is gone. Several may share one, where they were joined: it
+        has the position and the attributes of the first.
     report : tuple of str
         What was changed, one sentence each with its count; empty if nothing was.
     """
@@ -62,19 +63,25 @@ class Repair:
         return back
 
 
-def repair_surface(obj: Any) -> Repair:
+def repair_surface(obj: Any, *, force: bool = False) -> Repair:
     """Manifold mesh in one piece, made from anything that `as_surface` takes.
 
     In this order: polygons are triangulated; faces that name a missing, not finite or repeated vertex are
-    removed; edges of length zero are collapsed; of equal faces the first stays; at an edge of
+    removed; edges of length zero are collapsed; of equal faces the first stays, and so it is with
+    pieces that lie face by face on others; boundary edges that lie on each
+    other are joined (see `repair.welding.welded`: triangle soups and seams close, and so does a slit); at an edge of
     three and more faces, pairs of faces that agree on the orientation stay together, the flattest first,
     and the others are cut off; vertices are split into one for each fan of faces; the piece of largest
-    area stays; faces are turned to one orientation, if there is one.
+    area stays; faces are turned to one orientation, if there is one, which is outwards where that can be told (see
+    `Surface.winding`).
 
     Parameters
     ----------
     obj : Surface, (V, F), mesh object or path
         Need not be valid: indices out of range, NaN and repeated indices are repaired too.
+    force : bool
+        Go through with a repair that removes more than a hundredth of the area, or more than half of the faces because
+        their vertices are missing or not finite: what ``repair="force"`` does elsewhere.
 
     Returns
     -------
@@ -83,11 +90,12 @@ def repair_surface(obj: Any) -> Repair:
     Raises
     ------
     MeshError
-        No faces are left, or the arrays are no triangle list at all.
+        No faces are left, so much would be removed that it must be forced (the message says what and how many pieces
+        there are), or the arrays are no triangle list at all.
     """
     raw = raw_mesh(obj, repair=True)
     with path_in_errors(obj if is_path(obj) else None):
-        repaired = repaired_mesh(raw)
+        repaired = repaired_mesh(raw, force=force)
         unchanged = isinstance(obj, Surface) and not repaired.report
         surface = obj if unchanged else Surface.from_raw(repaired.mesh)  # itself: with all that it has computed already
     for change in repaired.report:

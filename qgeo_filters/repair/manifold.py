@@ -61,10 +61,10 @@ def split_into_fans(vertices: np.ndarray, faces: IntArray, report: list[str]) ->
     return origin, faces
 
 
-def consistent_flips(faces: IntArray, report: list[str]) -> IndexArray:
-    """Faces to turn over so that neighbours agree on the orientation, the fewest of each piece.
+def consistent_flips(faces: IntArray) -> tuple[IndexArray, bool]:
+    """Faces to turn over so that neighbours agree, the fewest of each piece, and whether all pieces can be oriented.
 
-    A piece that cannot be oriented (Moebius band) is left as it is, which the report says.
+    One that cannot (Moebius band) is left as it is.
     """
     edges, face_edges, _ = connectivity.unique_edges(faces)
     twins = connectivity.halfedge_twins(faces, face_edges, len(edges))
@@ -80,16 +80,12 @@ def consistent_flips(faces: IntArray, report: list[str]) -> IndexArray:
     _, label = connected_components(graph, directed=False)
     as_is, turned = label[:m], label[m:]
     orientable = as_is != turned
-    if not orientable.all():
-        report.append("the mesh is not orientable and keeps the orientation of its faces")
     # The state to take is that which most faces of the piece have already; ties go to the first face.
     votes = np.bincount(as_is, minlength=label.max() + 1)
     flips = np.flatnonzero(
         orientable & ((votes[turned] > votes[as_is]) | ((votes[turned] == votes[as_is]) & (turned < as_is)))
     )
-    if flips.size:
-        report.append(f"{counted(flips.size, 'face')} turned over to the orientation of the others")
-    return flips
+    return flips, bool(orientable.all())
 
 
 def _pairs_by_flatness(halves: IndexArray, faces: IntArray, normals: np.ndarray) -> list[tuple[bool, float, int, int]]:

@@ -1,8 +1,6 @@
 """A manifold mesh in one piece from the arrays of any triangle soup, with what was changed and the way back.
 
-Connectivity alone decides, apart from the choice at an edge of three and more faces, where the flattest pair of
-faces stays together. PyMeshLab's repair filters renumber vertices without telling how, so that attributes
-could not be carried back.
+PyMeshLab's repair filters renumber vertices without telling how, so that attributes could not be carried back.
 """
 
 from __future__ import annotations
@@ -13,12 +11,20 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
+from qgeo_filters import connectivity
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray
 from qgeo_filters.errors import MeshError
 from qgeo_filters.io.raw_mesh import RawMesh, counted
+from qgeo_filters.repair.copies import without_copies
 from qgeo_filters.repair.manifold import consistent_flips, split_into_fans
+from qgeo_filters.repair.welding import welded
+from qgeo_filters.repair.winding import winding
 from qgeo_filters.triangle_geometry import face_crosses
 from qgeo_filters.validation import checked_attributes, checked_faces, checked_vertices, frozen, listed
+
+# Shares beyond which a repair is refused unless it is forced.
+_MOST_AREA_LOST = 0.01
+_MOST_FACES_LOST = 0.5  # of those without a place, whose area nobody knows
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,27 +49,39 @@ class RepairedMesh:
     report: tuple[str, ...]
 
 
-def repaired_mesh(raw: RawMesh) -> RepairedMesh:
+def repaired_mesh(raw: RawMesh, *, force: bool = False) -> RepairedMesh:
     """Manifold mesh in one piece; the steps are listed at `hosts.repair.repair_surface`.
+
+    Parameters
+    ----------
+    raw : RawMesh
+    force : bool
+        Go through with a repair that removes much of the mesh.
 
     Raises
     ------
     MeshError
-        No faces are left, or the arrays are no triangle list at all.
+        No faces are left, too much would be removed, or the arrays are no triangle list at all.
     """
     report = list(raw.notes)
-    vertices, faces = _arrays(raw)
+    vertices, given = _arrays(raw)
     n_old = len(vertices)
     attributes = checked_attributes(raw.attributes, n_old)
-    faces = _without_bad_indices(vertices, faces, report)
+    sound = _without_bad_indices(vertices, given, report)
+    faces = _without_repeated_vertices(sound, report)
     stands_for = _collapsed(vertices, faces, report)
     faces = _without_repeats(stands_for[faces].astype(np.int32), report)
     if len(faces) == 0:
         raise MeshError(f"nothing is left of the mesh after repair: {'; '.join(report) or 'it has no faces'}")
+    faces, original = _without_copies(vertices, faces, report)
+    joined = _welded(vertices, faces, report)
+    stands_for, faces = joined[original[stands_for]], _without_repeats(joined[faces].astype(np.int32), report)
+    area = _area(vertices, faces)
     origin, faces = split_into_fans(vertices, faces, report)
-    faces = _largest_piece(vertices[origin], faces, report)
-    flips = consistent_flips(faces, report)
-    faces[flips] = faces[flips][:, ::-1]
+    faces, sizes = _largest_piece(vertices[origin], faces, report)
+    if not force:
+        _check_loss(1 - _area(vertices[origin], faces) / area, 1 - len(sound) / len(given), sizes, report)
+    faces = _turned_outwards(vertices[origin], faces, report)
     used = np.unique(faces)
     renumbered = np.full(len(origin), -1, dtype=np.int32)
     renumbered[used] = np.arange(len(used))
@@ -117,6 +135,10 @@ def _without_bad_indices(vertices: np.ndarray, faces: IntArray, report: list[str
             f"({listed(np.flatnonzero(lost))}) removed, with {counted(touched.sum(), 'face')}"
         )
         faces = faces[~touched]
+    return faces
+
+
+def _without_repeated_vertices(faces: IntArray, report: list[str]) -> IntArray:
     twice = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
     if twice.any():
         report.append(f"{counted(twice.sum(), 'face')} with a repeated vertex removed")
@@ -139,6 +161,27 @@ def _collapsed(vertices: np.ndarray, faces: IntArray, report: list[str]) -> Inde
     return smallest[group]
 
 
+def _without_copies(vertices: FloatArray, faces: IntArray, report: list[str]) -> tuple[IntArray, IndexArray]:
+    """Faces but for pieces that lie on others, and the vertex that each vertex becomes."""
+    kept, stands_for, n_pieces = without_copies(vertices, faces)
+    if n_pieces:
+        gone = counted(len(faces) - len(kept), "face")
+        report.append(f"{counted(n_pieces, 'piece')} removed that lay on others face by face, with {gone}")
+    return kept, stands_for
+
+
+def _welded(vertices: FloatArray, faces: IntArray, report: list[str]) -> IndexArray:
+    """Vertex that each vertex becomes when boundary edges that lie on each other are joined."""
+    joined, distance = welded(vertices, faces)
+    count = int((joined != np.arange(len(joined))).sum())
+    if count:
+        apart = f", up to {distance:.3g} apart" if distance else ""
+        report.append(
+            f"{counted(count, 'boundary vertex', 'boundary vertices')} joined with others at the same place{apart}"
+        )
+    return joined
+
+
 def _without_repeats(faces: IntArray, report: list[str]) -> IntArray:
     flat = (faces == np.roll(faces, 1, axis=1)).any(axis=1)  # left by the collapse
     faces = faces[~flat]
@@ -148,22 +191,59 @@ def _without_repeats(faces: IntArray, report: list[str]) -> IntArray:
     return faces[np.sort(first)]
 
 
-def _largest_piece(positions: np.ndarray, faces: IntArray, report: list[str]) -> IntArray:
+def _area(positions: FloatArray, faces: IntArray) -> float:
+    """Total area; the number of faces where none has any."""
+    area = 0.5 * float(np.linalg.norm(face_crosses(positions, faces), axis=1).sum())
+    return area or float(len(faces))
+
+
+def _largest_piece(positions: np.ndarray, faces: IntArray, report: list[str]) -> tuple[IntArray, IndexArray]:
+    """Faces of the piece of largest area, and how many faces each piece has, the most first."""
     n = len(positions)
-    a, b, c = faces.T
-    graph = sparse.coo_matrix(
-        (np.ones(2 * len(faces), np.int8), (np.concatenate([a, b]), np.concatenate([b, c]))), shape=(n, n)
-    )
-    _, label = connected_components(graph, directed=False)
-    area = np.bincount(label[a], 0.5 * np.linalg.norm(face_crosses(positions, faces), axis=1))
-    pieces = np.unique(label[a])
+    _, label = connectivity.vertex_components(np.concatenate([faces[:, :2], faces[:, 1:]]), n)
+    piece = label[faces[:, 0]]
+    area = np.bincount(piece, 0.5 * np.linalg.norm(face_crosses(positions, faces), axis=1))
+    size = np.bincount(piece)
+    pieces = np.flatnonzero(size)
+    sizes = np.sort(size[pieces])[::-1]
     if len(pieces) == 1:
-        return faces
+        return faces, sizes
     largest = pieces[area[pieces].argmax()]
-    kept = label[a] == largest
+    kept = piece == largest
     share = 100 * area[largest] / area.sum() if area.sum() > 0 else 100 * kept.mean()
     report.append(
         f"{counted(len(pieces) - 1, 'smaller piece')} with {counted((~kept).sum(), 'face')} removed; the largest, "
         f"kept, has {share:.4g} % of the area"
     )
-    return faces[kept]
+    return faces[kept], sizes
+
+
+def _check_loss(of_area: float, of_faces: float, sizes: IndexArray, report: list[str]) -> None:
+    """Refuse a repair that keeps a shred: it removes much area, or most faces were without a place and so an area."""
+    if of_area <= _MOST_AREA_LOST and of_faces <= _MOST_FACES_LOST:
+        return
+    lost = f"{100 * of_area:.3g} % of the area" if of_area > _MOST_AREA_LOST else f"{100 * of_faces:.3g} % of the faces"
+    pieces = f"; there are {len(sizes)} pieces, of {listed(sizes)} faces" if len(sizes) > 1 else ""
+    raise MeshError(
+        f"repair would remove {lost} ({'; '.join(report)}){pieces}; pass the piece that is meant, or repair='force' "
+        "to take what is left"
+    )
+
+
+def _turned_outwards(positions: FloatArray, faces: IntArray, report: list[str]) -> IntArray:
+    """Faces of one orientation, which is outwards where there is an inside."""
+    flips, orientable = consistent_flips(faces)
+    if not orientable:
+        report.append("the mesh is not orientable and keeps the orientation of its faces")
+    turned = np.zeros(len(faces), dtype=bool)
+    turned[flips] = True
+    faces = np.where(turned[:, None], faces[:, ::-1], faces)
+    inside_out = winding(positions, faces) == "inward"
+    if inside_out:
+        faces, turned = faces[:, ::-1], ~turned
+    if turned.all():
+        report.append(f"the mesh was inside out: {counted(len(faces), 'face')} turned over")
+    elif turned.any():
+        side = "so that all look outwards" if inside_out else "to the orientation of the others"
+        report.append(f"{counted(turned.sum(), 'face')} turned over {side}")
+    return np.ascontiguousarray(faces)

@@ -43,7 +43,11 @@ def test_info_describes_what_is_no_surface(qgeo: Qgeo, loaded: Loaded) -> None:
 
 
 def test_repair_is_reported(qgeo: Qgeo, loaded: Loaded) -> None:
-    assert qgeo("info", "fan.off", "--repair").exit_code == 0
+    refused = qgeo("info", "fan.off", "--repair")
+    assert refused.exit_code == 2
+    assert "% of the area" in refused.stderr
+    assert "or --force-repair" in refused.stderr
+    assert qgeo("info", "fan.off", "--force-repair").exit_code == 0
     content, _ = loaded(Path("qgeo-out/info"))
     assert content["results"]["manifold"] is True
     assert content["mesh"]["repaired"]
@@ -222,7 +226,7 @@ def test_run_on_several_meshes_gives_each_a_folder(qgeo: Qgeo, loaded: Loaded, p
 def test_run_repairs(qgeo: Qgeo, loaded: Loaded) -> None:
     qg.Pipeline([qg.QuasiGeodesicDistances()]).save("pipe.yaml")
     assert qgeo("run", "pipe.yaml", "fan.off").exit_code == 2
-    assert qgeo("run", "pipe.yaml", "fan.off", "--repair").exit_code == 0
+    assert qgeo("run", "pipe.yaml", "fan.off", "--force-repair").exit_code == 0
     content, _ = loaded(Path("qgeo-out/run"))
     assert content["mesh"]["repaired"]
 

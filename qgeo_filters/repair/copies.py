@@ -1,0 +1,32 @@
+"""Pieces that lie face by face on other pieces: objects written twice, sheets with a back."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from qgeo_filters import connectivity
+from qgeo_filters._typing import FloatArray, IndexArray, IntArray
+
+
+def without_copies(vertices: FloatArray, faces: IntArray) -> tuple[IntArray, IndexArray, int]:
+    """Faces but for those of pieces that are copies, the vertex that each vertex becomes, and how many pieces went.
+
+    Every face of a copy has its three corners where those of an earlier face of another piece are. A piece
+    that only touches another, or lies on it in part, is none; nor is a sheet that is folded onto itself.
+    """
+    stands_for = np.arange(len(vertices))
+    _, label = connectivity.vertex_components(np.concatenate([faces[:, :2], faces[:, 1:]]), len(vertices))
+    piece = label[faces[:, 0]]
+    if piece.min() == piece.max():
+        return faces, stands_for, 0
+    used = np.unique(faces)
+    place = np.zeros(len(vertices), dtype=np.int64)
+    place[used] = np.unique(vertices[used] + 0.0, axis=0, return_inverse=True)[1].ravel()  # -0.0 is 0.0
+    # Corners in the order of their places, so that those of a copy stand beside those of its original.
+    sorted_faces = np.take_along_axis(faces, np.argsort(place[faces], axis=1), axis=1)
+    _, first, number = np.unique(place[sorted_faces], axis=0, return_index=True, return_inverse=True)
+    original = first[number.ravel()]
+    own = np.bincount(piece, piece[original] == piece)
+    copied = own[piece] == 0
+    stands_for[sorted_faces[copied]] = sorted_faces[original[copied]]
+    return faces[~copied], stands_for, len(np.unique(piece[copied]))
