@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, overload
 
@@ -23,6 +24,7 @@ from qgeo_filters.matching.selection.decision import Decision, choose_map
 from qgeo_filters.matching.selection.signatures import hks_agreement
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.parallel import default_workers
+from qgeo_filters.repair.winding import Winding
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
 from qgeo_filters.validation import frozen
 
@@ -55,9 +57,10 @@ class MatchResult:
     hks_agreement : float
         Of heat kernels along the map, see `hks_agreement`: above 0.9 between poses of one shape.
     confident : bool
-        Whether the map stands clear of the others, keeps distances, relates like parts, and has one orientation.
+        Whether the map stands clear of the others, keeps distances, relates like parts, has one orientation, and left
+        and right can be told: of an open sheet nobody knows which side is out, see `Surface.winding`.
     explanation : str
-        Why it is confident, or what is ambiguous, in a sentence.
+        Why it is confident, or what is ambiguous, in a sentence; and which shape was inside out.
     regions_x, regions_y : (n_x,), (n_y,) int32
         Regions of equal number on both shapes, see `eigenfunction_regions`.
     positions : (n_x, 3) float64
@@ -124,8 +127,8 @@ def match(
     Parameters
     ----------
     x, y : Surface, whatever `as_surface` takes, or PreparedShape
-        In one piece, manifold, oriented; any triangulation, position and number of vertices. Pass prepared shapes
-        where a shape takes part in several matches: all that belongs to one shape is computed once.
+        In one piece, manifold, oriented, outwards or inwards; any triangulation, position and number of vertices. Pass
+        prepared shapes where a shape takes part in several matches: all that belongs to one shape is computed once.
     normalize : bool
         Whether to compare shapes regardless of size. If not, and their areas differ by more than a tenth, they are
         refused.
@@ -211,6 +214,7 @@ def _described(problem: MatchProblem, decision: Decision, mirrored: bool) -> Mat
     score = float(x.areas @ distortion)
     turned, alike = orientation(x.unit, y.unit, p2p), hks_agreement(problem, p2p)
     confident, explanation = _verdict(problem.parameters, score, decision.margin, turned, alike, mirrored)
+    confident, explanation = _with_sides({"X": x.winding, "Y": y.winding}, confident, explanation)
     phi_x, phi_y = x.spectrum.eigenfunctions, y.spectrum.eigenfunctions
     flip = np.array([-1.0, 1.0, 1.0]) if mirrored else 1.0
     centre = y.surface.vertex_areas @ y.surface.vertices / y.surface.area
@@ -261,3 +265,17 @@ def _verdict(
         return False, hand
     rival = f"the next different map costs {margin:.1f} times as much" if margin < np.inf else "there is no other map"
     return True, f"distances are kept to {score:.3f} sqrt(area) in the mean; {rival}"
+
+
+def _with_sides(winding: Mapping[str, Winding], confident: bool, explanation: str) -> tuple[bool, str]:
+    """The verdict once it is known which side of each shape is out: what tells left from right."""
+    flat = " and ".join(name for name, side in winding.items() if side == "undetermined")
+    if confident and flat:
+        confident = False
+        explanation += (
+            f"; but which side of {flat} is out cannot be told, an open sheet: the map may be the mirrored one"
+        )
+    inside_out = " and ".join(name for name, side in winding.items() if side == "inward")
+    if inside_out:
+        explanation += f"; {inside_out} had the inside out, which was turned over for the match"
+    return confident, explanation

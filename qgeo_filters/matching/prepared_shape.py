@@ -76,8 +76,9 @@ class PreparedShape:
 
     Notes
     -----
-    Memory is O(800 n): the matrix of all distances is dropped once it has been used. Distances are measured on the
-    surface as it is, and what is derived from them is brought to unit area.
+    A shape that is inside out is turned over, since its left would be taken for its right. Memory is O(800 n): the
+    matrix of all distances is dropped once it has been used. Distances are measured on the surface as it is, and what
+    is derived from them is brought to unit area.
     """
 
     @renamed_parameters(weights="curvature_weights")
@@ -96,8 +97,11 @@ class PreparedShape:
         if not chosen.curvature_weights:
             raise ParameterError("at least one metric must propose maps: curvature_weights is empty")
         self.parameters = chosen
-        self.surface = as_surface(surface)
-        check_matchable(self.surface, chosen)
+        given = as_surface(surface)
+        check_matchable(given, chosen)
+        self.winding = given.winding
+        """Which side of the surface that was given is out; what looks inwards is turned over, vertices as they are."""
+        self.surface = given.turned_over() if given.winding == "inward" else given
         self.scale = float(np.sqrt(self.surface.area))
         centre = self.surface.vertex_areas @ self.surface.vertices / self.surface.area
         self.unit = Surface((self.surface.vertices - centre) / self.scale, self.surface.faces)
