@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from qgeo_filters.geodesics.metric import Metric, metric_for
 from qgeo_filters.geodesics.path.paths import GeodesicPath, PathFinder
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.parallel import worker_count
+from qgeo_filters.repair.welding import not_welded
 from qgeo_filters.validation import checked_index, checked_indices
 
 
@@ -79,6 +81,13 @@ class GeodesicSolver:
 
     @cached_property
     def _solver(self) -> DistanceSolver:
+        pieces = self.surface.components[0]
+        if pieces > 1 and self.surface.unwelded_vertices.size:
+            warnings.warn(
+                f"distances between the {pieces} pieces of the mesh are inf, but "
+                f"{not_welded(self.surface.unwelded_vertices.size)}",
+                stacklevel=5,
+            )
         return self._make(self.metric, self.accuracy, self.workers)
 
     def distances(self, sources: npt.ArrayLike, *, progress: bool = False) -> FloatArray:

@@ -84,7 +84,8 @@ def _places(vertices: FloatArray, faces: IntArray, chosen: IndexArray) -> IndexA
     np.minimum.at(shortest, number, _shortest_edges(vertices, faces)[chosen])
     tolerance = _STEPS * float(np.finfo(np.float32).eps) * _size(vertices[np.unique(faces)])
     count = min(_NEIGHBOURS, len(points))
-    distance, neighbour = KDTree(points).query(points, k=range(1, count + 1), distance_upper_bound=tolerance)
+    found = KDTree(points).query(points, k=range(1, count + 1), distance_upper_bound=tolerance)
+    distance, neighbour = np.asarray(found[0]), np.asarray(found[1])
     near, column = np.nonzero(np.isfinite(distance))
     other = neighbour[near, column]
     agree = distance[near, column] <= _OF_SHORTEST_EDGE * np.minimum(shortest[near], shortest[other])

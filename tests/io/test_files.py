@@ -176,7 +176,10 @@ BROKEN = {
     "text.off": ("hello\n", "not an OFF file: it begins with 'hello'"),
     "binary.off": ("OFF BINARY\n", "OFF files of kind OFF BINARY are not read"),
     "counts.off": ("OFF\nthree\n", "line 2: 'three' is no number"),
-    "short.off": ("OFF\n3 1 0\n0 0 0\n1 0 0\n", "3 vertices and 1 face announced, which the 6 numbers that follow do not make"),
+    "short.off": (
+        "OFF\n3 1 0\n0 0 0\n1 0 0\n",
+        "3 vertices and 1 face announced, which the 6 numbers that follow do not make",
+    ),
     "word.off": ("OFF\n3 1 0\n0 0 0\n1 x 0\n0 1 0\n3 0 1 2\n", "line 4: 'x' is no number"),
     "two.off": ("OFF\n3 1 0\n0 0 0\n1 0\n0 1 0\n3 0 1 2\n", "line 4 is no vertex: '1 0'"),
     "face.off": ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n", "line 6 is no face: '3 0 1'"),

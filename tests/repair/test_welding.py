@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +33,14 @@ def cut_in_two(vertices, faces, axis=0):
     twin = np.arange(len(vertices))
     twin[shared] = len(vertices) + np.arange(len(shared))
     return np.vstack([vertices, vertices[shared]]), np.where(side[:, None], twin[faces], faces), shared
+
+
+def with_seam(n_around=24, n_tube=12):
+    """A torus with the vertices of its first tube twice, as texture coordinates leave it: one piece, like a pipe."""
+    vertices, faces = torus(n_around, n_tube)
+    last = (faces >= (n_around - 1) * n_tube).any(axis=1)
+    cut = np.where(last[:, None] & (faces < n_tube), faces + len(vertices), faces)
+    return np.vstack([vertices, vertices[:n_tube]]), cut, np.arange(n_tube)
 
 
 def rounded_apart(vertices, faces, steps, seed=0):
@@ -69,11 +78,12 @@ def test_a_soup_of_triangles_is_the_surface_again(name):
 
 def test_distances_across_a_seam_are_those_of_the_whole_surface():
     vertices, faces = torus(24, 12)
-    cut_vertices, cut_faces, shared = cut_in_two(vertices, faces)
-    source = int(shared[3])
+    cut_vertices, cut_faces, shared = with_seam()
+    source = int(shared[3]) + 24 * 3
     truth = pygeodesic.PyGeodesicAlgorithmExact(vertices, faces).geodesicDistances(np.array([source]), None)[0]
     apart = Surface(cut_vertices, cut_faces)
-    assert len(apart.boundary_loops) > 0
+    assert (apart.components[0], len(apart.boundary_loops)) == (1, 2)
+    assert qg.distances(apart, [source], method="exact")[0].max() > 1.3 * truth.max()
     assert apart.unwelded_vertices.size == len(shared)
     repaired = repair_surface(apart)
     assert repaired.surface.is_closed
@@ -238,6 +248,16 @@ def test_without_repair_the_error_says_that_the_mesh_is_not_welded():
     loose = Surface(*soup(*icosphere(1)))
     with pytest.raises(qg.DisconnectedError, match=r"198 boundary vertices coincide with others: .*repair=True joins"):
         loose.require_connected("X")
+
+
+def test_distances_that_are_infinite_for_want_of_welding_say_so():
+    loose, apart = Surface(*soup(*icosphere(1))), Surface(*with_seam()[:2])
+    with pytest.warns(UserWarning, match=r"between the 80 pieces of the mesh are inf, but 198 boundary .*repair=True"):
+        assert np.isinf(qg.distances(loose, [0])).any()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        qg.distances(apart, [0])  # a seam, but one piece
+        qg.distances(loose.largest_component()[0], [0])
 
 
 def test_a_shred_is_never_kept_in_silence():
