@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import ModuleType
 
 
@@ -30,9 +32,23 @@ class MissingPackageError(QgeoError, ImportError):
     """An optional package that is not installed: the message holds the ``pip install`` that brings it."""
 
 
+@contextmanager
+def concerning(name: str) -> Iterator[None]:
+    """Context in which the message of a `QgeoError` begins with what it is about: which of several shapes, say."""
+    try:
+        yield
+    except QgeoError as error:
+        raise type(error)(f"{name}: {error}") from error
+
+
 def reason(error: BaseException) -> str:
     """What an exception says, in one line; its type where it says nothing (`MemoryError`, `EOFError`)."""
-    return " ".join(str(error).split()) or type(error).__name__
+    return one_line(str(error)) or type(error).__name__
+
+
+def one_line(text: str) -> str:
+    """The text with its lines joined; spaces within a line stay, as they may be those of a file's name."""
+    return " ".join(stripped for line in text.splitlines() if (stripped := line.strip()))
 
 
 def require_package(module: str, extra: str, purpose: str) -> ModuleType:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import io
+import sys
 from typing import Annotated
 
 import typer
 
 from qgeo_filters.cli.compatibility import compatibility
 from qgeo_filters.cli.demo import demo
-from qgeo_filters.cli.errors import OneLineErrors
+from qgeo_filters.cli.errors import OneLineErrors, OneLineWarnings
 from qgeo_filters.cli.evaluate import evaluate
 from qgeo_filters.cli.fetch import fetch
 from qgeo_filters.cli.geodesics import distances, path
@@ -51,9 +53,11 @@ def qgeo(
 
 
 for command in (demo, info, distances, spectrum, symmetry, match, compatibility, evaluate, fetch, path, run, warmup):
-    app.command()(command)
+    app.command(cls=OneLineWarnings)(command)
 
 
 def main() -> None:
     """Entry point of ``qgeo``: exit code 2 and a line for bad input, 1 and a traceback for a bug, 130 after Ctrl-C."""
+    if isinstance(sys.stdout, io.TextIOWrapper):  # whatever the terminal's encoding lacks is shown as an escape
+        sys.stdout.reconfigure(errors="backslashreplace")
     app(prog_name="qgeo")

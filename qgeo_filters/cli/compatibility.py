@@ -50,7 +50,7 @@ def compatibility(
     """
     import numpy as np
 
-    from qgeo_filters.cli.job import Job
+    from qgeo_filters.cli.job import Job, as_title
     from qgeo_filters.matching.compatibility import compatibility as compatibility_of
     from qgeo_filters.report.curves import plot_pairwise
     from qgeo_filters.report.html import Table
@@ -59,7 +59,8 @@ def compatibility(
     mend = repair_option(repair, force)
     parameters = {"baselines": list(baselines), "k": k, "curvature_weight": curvature_weight, "repair": mend}
     settings = Settings(output, quiet, json, mend, pictures)
-    job = Job("compatibility", settings, parameters, meshes, pictures=("poses", "c_xy"))
+    called = [f"surfaces[{index}]" for index in range(len(meshes))]
+    job = Job("compatibility", settings, parameters, meshes, names=called, pictures=("poses", "c_xy"))
     poses = job.read()
     with job.stage("compatibility"):
         found = compatibility_of(poses, baselines, k=k, curvature_weight=curvature_weight, progress=job.progress)
@@ -81,7 +82,7 @@ def compatibility(
         "maps": "equal vertex numbers" if one_mesh else "found by match",
     }
     job.save(results, arrays, *poses)
-    names = job.names
+    names = [as_title(name) for name in job.names]
     shown = list(dict.fromkeys([found.baselines[0], *range(len(poses))]))[:_MOST_POSES]
     titles = [f"{names[p]} (baseline)" if p in found.baselines else names[p] for p in shown]
     job.picture(
@@ -95,5 +96,5 @@ def compatibility(
         "C_XY of every two poses: 0 where they have the same eigenfunctions.",
         partial(plot_pairwise, found.c_xy, names, "C_XY (no unit)"),
     )
-    rows = [(name, *map(float, row)) for name, row in zip(names, found.c_xy, strict=True)]
-    job.finish([Table("C_XY", rows, ("", *names))] if len(poses) <= _MOST_POSES else [])
+    rows = [(name, *map(float, row)) for name, row in zip(job.names, found.c_xy, strict=True)]
+    job.finish([Table("C_XY", rows, ("", *job.names))] if len(poses) <= _MOST_POSES else [])

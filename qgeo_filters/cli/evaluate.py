@@ -167,6 +167,7 @@ def _tables(rows: list[Row], found: list[PairResult], failures: list[PairFailure
 
 def _draw_worst(job: Job, data: Dataset, worst: PairResult, what: str) -> None:
     """Picture of the map with the largest mean error."""
+    from qgeo_filters.cli.job import as_title
     from qgeo_filters.report.figures import plot_correspondence, plot_symmetry
     from qgeo_filters.report.maps import view_alike
     from qgeo_filters.report.view import best_view
@@ -180,7 +181,8 @@ def _draw_worst(job: Job, data: Dataset, worst: PairResult, what: str) -> None:
     x, y = (data.read(name) for name in names)
     view = best_view(x.vertices, x.faces)
     views = view, view_alike(x, view, y, worst.p2p)
-    job.picture("worst_map", caption, partial(plot_correspondence, x, y, worst.p2p, names=names, views=views))
+    titles = as_title(names[0]), as_title(names[1])
+    job.picture("worst_map", caption, partial(plot_correspondence, x, y, worst.p2p, names=titles, views=views))
 
 
 def _dataset(layout: str, root: Path) -> Dataset:

@@ -6,6 +6,7 @@ import itertools
 import math
 import sys
 import time
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,9 +18,10 @@ from rich.console import Console
 from rich.table import Table as TerminalTable
 
 from qgeo_filters import __version__
+from qgeo_filters.cli.errors import of_file, to_standard_output
 from qgeo_filters.cli.options import Settings
 from qgeo_filters.cli.outputs import LISTING, OutputFolder
-from qgeo_filters.errors import MeshError
+from qgeo_filters.errors import MeshError, QgeoError, reason
 from qgeo_filters.hosts.repair import repair_surface
 from qgeo_filters.report.html import Picture, Table, formatted, write_report
 from qgeo_filters.surface import Surface
@@ -44,7 +46,7 @@ class Job:
     meshes : sequence of Path
         Files of the meshes.
     names : sequence of str
-        What the command calls the meshes, such as X and Y; nothing by default.
+        What the command, and messages of its functions, call the meshes, such as X and Y; nothing by default.
     inputs : iterable of Path
         What else is read.
     pictures, texts : iterable of str
@@ -89,7 +91,7 @@ class Job:
     def stage(self, name: str, mesh: int | None = None) -> Iterator[None]:
         """Context that measures a stage, in wall-clock seconds, and says on a terminal what goes on.
 
-        What is wrong with a mesh is said with its name: of this mesh, or of the only one.
+        Errors are those of a mesh as in `about`.
         """
         started = time.perf_counter()
         if self.progress:
@@ -100,16 +102,34 @@ class Job:
 
     @contextmanager
     def about(self, mesh: int | None = None) -> Iterator[None]:
-        """Context in which what is wrong with a mesh is said with its name: of this mesh, or of the only one."""
-        if mesh is None and len(self.paths) != 1:
-            yield
-            return
-        path = str(self.paths[mesh or 0])
+        """Context in which what is wrong with a mesh, or too much, is said with its file: this one's or the only one's.
+
+        Without a number, in a job on several meshes, it is said with the file of the mesh that the message begins with.
+        """
+        index = 0 if mesh is None and len(self.paths) == 1 else mesh
         try:
             yield
-        except MeshError as error:
-            name = f"{self._names[mesh or 0]} ({path})" if self._names else path
-            raise type(error)(f"{name}: {str(error).removeprefix(f'{path}: ')}") from error
+        except QgeoError as error:
+            said = str(error)
+            if index is None:
+                index = next((i for i, name in enumerate(self._names) if said.startswith(f"{name}: ")), None)
+            elif not isinstance(error, MeshError):
+                raise
+            if index is None:
+                raise
+            for known in (self.paths[index], *self._names[index : index + 1]):
+                said = said.removeprefix(f"{known}: ")
+            raise type(error)(f"{self._called(index)}: {said}") from error
+        except MemoryError as error:
+            if index is None:
+                raise
+            size = f" of {self.meshes[index]['vertices']} vertices" if len(self.meshes) > index else ""
+            raise MemoryError(f"{self._called(index)}{size}: {reason(error)}") from error
+
+    def _called(self, mesh: int) -> str:
+        """The file of a mesh, behind what the command calls it."""
+        path = str(self.paths[mesh])
+        return f"{self._names[mesh]} ({path})" if self._names else path
 
     # -- in -----------------------------------------------------------------------------------------
 
@@ -118,7 +138,7 @@ class Job:
         return [self._read(index, path) for index, path in enumerate(self.paths)]
 
     def _read(self, index: int, path: Path) -> Surface:
-        with self.stage("read", index):
+        with self.stage("read", index), of_file(str(path)):
             changes: Sequence[str] = ()
             if self.settings.repair:
                 repaired = repair_surface(path, force=self.settings.repair == "force")
@@ -153,7 +173,9 @@ class Job:
         """Draw and write a picture, unless pictures are not wanted."""
         if not self.settings.pictures:
             return
-        with self.stage(f"picture {name}"):
+        with self.stage(f"picture {name}"), warnings.catch_warnings():
+            # A script that the font lacks comes as boxes; who can read the name knows why.
+            warnings.filterwarnings("ignore", "Glyph .* missing from", UserWarning)
             picture = Picture(name, draw(), caption)
             with self._outputs.writing(f"{name}.png") as temporary:
                 temporary.write_bytes(picture.png)
@@ -185,6 +207,10 @@ class Job:
         self._show(tables)
 
     def _show(self, tables: Sequence[Table]) -> None:
+        with to_standard_output():
+            self._print(tables)
+
+    def _print(self, tables: Sequence[Table]) -> None:
         if self.settings.json:
             sys.stdout.write((self.folder / LISTING).read_text(encoding="utf-8"))
             return
@@ -260,6 +286,11 @@ def plain(value: Any) -> Any:
     if isinstance(value, (list, tuple, np.ndarray)):
         return [plain(item) for item in value]
     return str(value) if isinstance(value, Path) else value
+
+
+def as_title(name: str) -> str:
+    """The name as pictures take it: no dollar begins a formula, bytes that are no text are escapes."""
+    return name.encode(errors="backslashreplace").decode().replace("$", r"\$")
 
 
 def numbered(names: Sequence[str]) -> list[str]:

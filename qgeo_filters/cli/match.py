@@ -193,12 +193,13 @@ def draw_log(job: Job, log: MatchLog) -> None:
 
 def draw_match(job: Job, x: Surface, y: Surface, found: MatchResult, errors: np.ndarray | None) -> None:
     """Pictures of the map, of its regions, its distortion, and its errors where the truth is known."""
+    from qgeo_filters.cli.job import as_title
     from qgeo_filters.report.curves import plot_error_curve, plot_histogram
     from qgeo_filters.report.figures import plot_correspondence, plot_scalar
     from qgeo_filters.report.maps import plot_region_pair, view_alike
     from qgeo_filters.report.view import best_view
 
-    names = (f"X: {job.names[0]}", f"Y: {job.names[1]}")
+    names = (f"X: {as_title(job.names[0])}", f"Y: {as_title(job.names[1])}")
     view = best_view(x.vertices, x.faces)
     views = view, view_alike(x, view, y, found.p2p)
     doubt = "" if found.confident else f"Not confident: {found.explanation}. "

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.atomic import atomic_write
-from qgeo_filters.errors import QgeoError
+from qgeo_filters.errors import QgeoError, reason
 from qgeo_filters.evaluation.datasets import Dataset, NoTruthError, PointMap
 from qgeo_filters.evaluation.errors import SymmetricErrors, geodesic_error, symmetric_errors
 from qgeo_filters.evaluation.tables import PairResult
@@ -48,8 +48,8 @@ class PairFailure:
     @property
     def reason(self) -> str:
         """The error in a line; with its type, where it is no fault of the data."""
-        message = " ".join(str(self.error).split())
-        return message if isinstance(self.error, (QgeoError, OSError)) else repr(self.error)
+        known = isinstance(self.error, (QgeoError, OSError, MemoryError))
+        return reason(self.error) if known else repr(self.error)
 
 
 class PairStore:

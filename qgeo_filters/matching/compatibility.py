@@ -24,7 +24,7 @@ from scipy.optimize import linear_sum_assignment
 from qgeo_filters._deprecation import renamed_parameters
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.defaults import CURVATURE_WEIGHT
-from qgeo_filters.errors import ParameterError
+from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.matching.correspondence import match
@@ -111,15 +111,19 @@ def compatibility(
     MeshError
         See `distance_spectrum` and `match`.
     """
-    poses = [as_surface(surface) for surface in surfaces]
+    poses = []
+    for number, surface in enumerate(surfaces):
+        with concerning(f"surfaces[{number}]"):
+            poses.append(as_surface(surface))
     _check_baselines(len(poses), baselines)
     with default_workers(workers):
         given = _default_maps(poses, baselines[0], progress) if maps is None else maps
         spectra = []
-        for pose in poses:
-            metric = lifted_metric(pose, curvature_weight=curvature_weight)
-            count = min(k + _SPARE, pose.n_vertices) if isinstance(k, (int, np.integer)) else k
-            spectra.append(distance_spectrum(pose, count, metric, progress=progress))
+        for number, pose in enumerate(poses):
+            with concerning(f"surfaces[{number}]"):
+                metric = lifted_metric(pose, curvature_weight=curvature_weight)
+                count = min(k + _SPARE, pose.n_vertices) if isinstance(k, (int, np.integer)) else k
+                spectra.append(distance_spectrum(pose, count, metric, progress=progress))
     return compatibility_of_spectra(spectra, given, baselines, k=k, normalization=normalization)
 
 
@@ -181,11 +185,17 @@ def _default_maps(poses: list[Surface], first: int, progress: bool) -> list[Inde
     n = poses[first].n_vertices
     if all(pose.n_vertices == n and np.array_equal(pose.faces, faces) for pose in poses):
         return [np.arange(n)] * len(poses)
-    reference = PreparedShape(poses[first], progress=progress)
-    return [
-        np.arange(n) if number == first else match(reference, pose, progress=progress).p2p
-        for number, pose in enumerate(poses)
-    ]
+    with concerning(f"surfaces[{first}]"):
+        reference = PreparedShape(poses[first], progress=progress)
+    maps = []
+    for number, pose in enumerate(poses):
+        if number == first:
+            maps.append(np.arange(n))
+            continue
+        with concerning(f"surfaces[{number}]"):
+            shape = PreparedShape(pose, progress=progress)
+        maps.append(match(reference, shape, progress=progress).p2p)
+    return maps
 
 
 def _check_baselines(count: int, baselines: tuple[int, int]) -> None:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from tqdm.auto import tqdm
 
 from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.errors import concerning
 from qgeo_filters.matching.initialization.candidates import Candidate, candidates, mirrored_map
 from qgeo_filters.matching.maps.barycentric import BarycentricMap, barycentric_map
 from qgeo_filters.matching.maps.functional_map import functional_map
@@ -167,9 +168,11 @@ def match(
         problem = MatchProblem.of(x, y, parameters, progress=progress)
         if not normalize:
             check_same_size(problem.x.surface, problem.y.surface, problem.parameters.same_area)
-        problem.x.prepare()
+        with concerning("X"):
+            problem.x.prepare()
         _next(bar, "prepare Y")
-        problem.y.prepare()
+        with concerning("Y"):
+            problem.y.prepare()
         _next(bar, "search")
         pool, mirrored = competing_candidates(problem)
         _next(bar, "register")

@@ -274,7 +274,8 @@ def check_same_size(x: Surface, y: Surface, ratio: float = MatchingParameters.sa
     """Raise `ParameterError` for shapes whose areas differ by more than this ratio."""
     if not 1 / ratio <= x.area / y.area <= ratio:
         raise ParameterError(
-            f"the areas are {x.area:.6g} and {y.area:.6g}: shapes of different size are compared with normalize=True"
+            f"the areas of X and Y are {x.area:.6g} and {y.area:.6g}: shapes of different size are compared with "
+            "normalize=True"
         )
 
 

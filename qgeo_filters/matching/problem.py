@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from qgeo_filters.errors import ParameterError
+from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape, Shape
@@ -45,11 +45,17 @@ class MatchProblem:
 
         Raises
         ------
+        MeshError
+            A shape that cannot be matched; the message begins with X or Y.
         ParameterError
             Shapes that were prepared with different parameters: their distances, and so maps, cannot be compared.
         """
         chosen = _chosen(parameters, x, y)
-        return cls(_prepared(x, "X", chosen, progress), _prepared(y, "Y", chosen, progress), chosen)
+        with concerning("X"):
+            first = _prepared(x, chosen, progress)
+        with concerning("Y"):
+            second = _prepared(y, chosen, progress)
+        return cls(first, second, chosen)
 
     @classmethod
     def of_reflection(
@@ -57,7 +63,7 @@ class MatchProblem:
     ) -> MatchProblem:
         """Problem of a shape and its own image in a mirror; parameters as in `of`."""
         chosen = _chosen(parameters, x)
-        shape = _prepared(x, "the shape", chosen, progress)
+        shape = _prepared(x, chosen, progress)
         return cls(shape, shape.mirrored, chosen, reflection=True)
 
     def with_mirrored_y(self) -> MatchProblem:
@@ -71,12 +77,12 @@ def _chosen(parameters: MatchingParameters | None, *shapes: Shape) -> MatchingPa
     return parameters or next(prepared, MatchingParameters())
 
 
-def _prepared(shape: Shape, name: str, parameters: MatchingParameters, progress: bool) -> PreparedShape:
+def _prepared(shape: Shape, parameters: MatchingParameters, progress: bool) -> PreparedShape:
     prepared = PreparedShape.of(shape, parameters, progress=progress)
     for key, value in prepared.parameters.of_shape().items():
         if value != getattr(parameters, key):
             raise ParameterError(
-                f"{name} was prepared with {key}={value!r}, but the match goes by {getattr(parameters, key)!r}: "
+                f"the shape was prepared with {key}={value!r}, but the match goes by {getattr(parameters, key)!r}: "
                 "prepare both shapes with the same parameters"
             )
     return prepared

@@ -172,7 +172,8 @@ def report_page(
 def write_report(path: str | PathLike[str], title: str, **content: Any) -> None:
     """Write `report_page` to a file, whole or not at all."""
     with atomic_write(path) as file:
-        file.write(report_page(title, **content).encode("utf-8"))
+        # Bytes of a file name that are no text come as lone surrogates.
+        file.write(report_page(title, **content).encode("utf-8", errors="backslashreplace"))
 
 
 def _paragraph(text: str) -> str:

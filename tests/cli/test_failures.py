@@ -150,7 +150,7 @@ def test_a_failing_write_leaves_no_part_of_a_file(qgeo: Qgeo, monkeypatch: pytes
     monkeypatch.setattr(np, "savez", half)
     result = qgeo("info", "sphere.ply")
     assert result.exit_code == 2
-    assert result.stderr == "qgeo: result.npz: No space left on device\n"
+    assert result.stderr == "qgeo: result.npz: No space left on device: make room, or write elsewhere\n"
     assert list(Path("qgeo-out/info").iterdir()) == []
 
 

@@ -133,7 +133,7 @@ def test_the_first_eigenfunctions_are_exact_and_the_last_good(surface: Surface) 
 
 def test_shapes_of_different_size_are_refused_before_any_distance(surface: Surface, spy: Spy) -> None:
     larger = surface.with_vertices(2 * surface.vertices)
-    with pytest.raises(ValueError, match=r"the areas are .* normalize=True"):
+    with pytest.raises(ValueError, match=r"the areas of X and Y are .* normalize=True"):
         match(surface, larger, normalize=False)
     with pytest.raises(ValueError, match="normalize=True"):
         qg.Correspondence(target=larger, normalize=False)(surface)

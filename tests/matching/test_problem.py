@@ -51,7 +51,7 @@ def test_shapes_of_different_metrics_are_not_compared(weights: tuple[float, ...]
     x, y = bodies()
     other = PreparedShape(y, curvature_weights=weights)
     message = r"was prepared with curvature_weights=.*prepare both shapes with the same parameters"
-    with pytest.raises(ParameterError, match=f"Y {message}"):
+    with pytest.raises(ParameterError, match=f"Y: the shape {message}"):
         qg.match(x, other, parameters=MatchingParameters())
     with pytest.raises(ParameterError, match=message):
         qg.match(prepared()[0], other)
