@@ -7,12 +7,16 @@ suffix              read                                          written
 .off                OFF; COFF's colours, NOFF's normals           17 digits
 .obj                faces, colours of vertices; groups joined     17 digits
 .stl                ascii and binary; equal corners are welded    binary, float32
-.gii                GIFTI, by nibabel; arrays are attributes      -
-lh.pial, rh.white   FreeSurfer, by nibabel; told by its bytes     -
 .glb, .gltf         the scene; equal vertices are welded          .glb, float32
 .vert + .tri        TOSCA, from 1; either name or the stem        both files, 17 digits
 .mat                TOSCA, ``surface`` with X, Y, Z, TRIV         the same
+.vtk, .vtp, .vtu    polygons, strips, grids; point data           -
+.msh                Gmsh 2 and 4; node data are attributes        -
+.gii                GIFTI; further arrays are attributes          -
+lh.pial, rh.white   FreeSurfer, told by the first bytes           -
 ==================  ============================================  =======================================
+
+VTK's files need PyVista's extra, those below the extra ``files``.
 """
 
 from __future__ import annotations
@@ -27,7 +31,7 @@ import numpy as np
 
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.errors import MeshError
-from qgeo_filters.io import brain_surfaces, gltf, obj, off, ply, stl, tosca
+from qgeo_filters.io import brain_surfaces, gltf, grids, obj, off, ply, stl, tosca
 from qgeo_filters.io.raw_mesh import RawMesh
 from qgeo_filters.io.single_precision import single_precision_note
 
@@ -45,6 +49,10 @@ _READERS: dict[str, Reader] = {
     ".tri": tosca.read_pair,
     ".mat": tosca.read_mat,
     ".gii": brain_surfaces.read_gifti,
+    ".vtk": grids.read_vtk,
+    ".vtp": grids.read_vtk,
+    ".vtu": grids.read_vtk,
+    ".msh": grids.read_gmsh,
 }
 _WRITERS: dict[str, Writer] = {
     ".off": off.write,
@@ -91,7 +99,9 @@ def read_raw(path: str | os.PathLike[str], *, repair: bool = False) -> RawMesh:
     if reader is None and brain_surfaces.is_freesurfer(file):
         reader = brain_surfaces.read_freesurfer
     if reader is None:
-        raise MeshError(f"{file}: unknown suffix {file.suffix!r}; read are {', '.join(_READERS)}")
+        raise MeshError(
+            f"{file}: unknown suffix {file.suffix!r}; read are {', '.join(_READERS)} and FreeSurfer's surfaces"
+        )
     with path_in_errors(file), np.errstate(all="ignore"):  # what is not finite is found by the checks
         raw = reader(file, repair)
     if not repair:

@@ -17,6 +17,7 @@ from qgeo_filters.errors import MeshError
 from qgeo_filters.io.gltf_accessors import accessor_values, draco_primitive, is_draco
 from qgeo_filters.io.gltf_document import Document, mapping, opened
 from qgeo_filters.io.gltf_scene import PlacedMesh, placed_meshes
+from qgeo_filters.io.polygons import strip_triangles
 from qgeo_filters.io.raw_mesh import RawMesh, counted, weld
 
 _POINTS_AND_LINES, _TRIANGLES, _STRIP, _FAN = (0, 1, 2, 3), 4, 5, 6
@@ -141,14 +142,12 @@ def _triangles(corners: npt.NDArray[np.int64], mode: Any, name: str, repair: boo
         if len(corners) % 3:
             parts.without["corners left over, dropped"] += 1
         return corners[: len(corners) // 3 * 3].reshape(-1, 3)
-    step = np.arange(max(len(corners) - 2, 0))
     if mode == _STRIP:
-        odd = step % 2
-        faces = corners[np.column_stack([step, step + 1 + odd, step + 2 - odd])]
-    elif mode == _FAN:
-        faces = corners[np.column_stack([step + 1, step + 2, np.zeros_like(step)])]
-    else:
+        return strip_triangles(corners)
+    if mode != _FAN:
         raise MeshError(f"{name} is of mode {str(mode)[:20]}, which glTF does not have")
+    second, third = corners[1:-1], corners[2:]
+    faces = np.column_stack([second, third, np.full_like(second, corners[0] if len(corners) else 0)])
     return faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
 
 
