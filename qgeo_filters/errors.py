@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import ModuleType
 
+_LONGEST = 600  # characters of a reason
+
 
 class QgeoError(Exception):
     """Whatever the caller can mend: a mesh, a parameter or a package that is missing; all others are bugs."""
@@ -42,8 +44,12 @@ def concerning(name: str) -> Iterator[None]:
 
 
 def reason(error: BaseException) -> str:
-    """What an exception says, in one line; its type where it says nothing (`MemoryError`, `EOFError`)."""
-    return one_line(str(error)) or type(error).__name__
+    """What an exception says, in one line; its type where it says nothing (`MemoryError`, `EOFError`).
+
+    Where it quotes a file at length the middle is left out.
+    """
+    line = one_line(str(error)) or type(error).__name__
+    return line if len(line) <= _LONGEST else f"{line[: _LONGEST // 2]} ... {line[-_LONGEST // 2 :]}"
 
 
 def one_line(text: str) -> str:

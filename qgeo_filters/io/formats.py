@@ -9,7 +9,7 @@ suffix              read                                          written
 .stl                ascii and binary; equal corners are welded    binary, float32
 .glb, .gltf         the scene; equal vertices are welded          .glb, float32
 .vert + .tri        TOSCA, from 1; either name or the stem        both files, 17 digits
-.mat                TOSCA, ``surface`` with X, Y, Z, TRIV         the same
+.mat                MATLAB 4 to 7: X, Y, Z (or VERT) with TRIV    ``surface`` with X, Y, Z, TRIV
 .vtk, .vtp, .vtu    polygons, strips, grids; point data           -
 .msh                Gmsh 2 and 4; node data are attributes        -
 .gii                GIFTI; further arrays are attributes          -
@@ -30,8 +30,8 @@ from pathlib import Path
 import numpy as np
 
 from qgeo_filters._typing import FloatArray, IntArray
-from qgeo_filters.errors import MeshError
-from qgeo_filters.io import brain_surfaces, gltf, grids, obj, off, ply, stl, tosca
+from qgeo_filters.errors import MeshError, reason
+from qgeo_filters.io import brain_surfaces, gltf, grids, mat, obj, off, ply, stl, tosca
 from qgeo_filters.io.raw_mesh import RawMesh
 from qgeo_filters.io.single_precision import single_precision_note
 
@@ -47,7 +47,7 @@ _READERS: dict[str, Reader] = {
     ".gltf": gltf.read,
     ".vert": tosca.read_pair,
     ".tri": tosca.read_pair,
-    ".mat": tosca.read_mat,
+    ".mat": mat.read,
     ".gii": brain_surfaces.read_gifti,
     ".vtk": grids.read_vtk,
     ".vtp": grids.read_vtk,
@@ -61,7 +61,7 @@ _WRITERS: dict[str, Writer] = {
     ".glb": gltf.write,
     ".vert": tosca.write_pair,
     ".tri": tosca.write_pair,
-    ".mat": tosca.write_mat,
+    ".mat": mat.write,
 }
 _SINGLE_PRECISION = (".stl", ".glb")
 
@@ -166,4 +166,4 @@ def path_in_errors(path: str | os.PathLike[str] | None) -> Iterator[None]:
     except MeshError as error:
         if path is None:
             raise
-        raise type(error)(f"{os.fspath(path)}: {error}") from error
+        raise type(error)(f"{os.fspath(path)}: {reason(error)}") from error
