@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from qgeo_filters.cli.options import Force, Json, Output, Pictures, Quiet, Repair, Settings, Workers, repair_option
-from qgeo_filters.errors import ParameterError
+from qgeo_filters.errors import MeshError, ParameterError, reason
 
 if TYPE_CHECKING:
     import numpy as np
@@ -126,28 +126,25 @@ def read_truth(path: Path, n_x: int, n_y: int) -> np.ndarray:
     ParameterError
         Not that many whole numbers within Y, or an .npz in which the array cannot be told.
     """
-    import zipfile
-
-    import numpy as np
-
+    from qgeo_filters.io.number_files import number_table, saved_arrays, whole_numbers
     from qgeo_filters.validation import checked_indices
 
     try:
-        loaded: Any = np.load(path, allow_pickle=False) if path.suffix in (".npz", ".npy") else np.loadtxt(path)
-    except (ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise ParameterError(f"{path}: not a list of vertices ({error})") from error
-    if isinstance(loaded, np.lib.npyio.NpzFile):
-        with loaded:
-            name = next((name for name in ("truth", "p2p") if name in loaded.files), None)
-            if name is None and len(loaded.files) != 1:
-                raise ParameterError(f"{path} holds {', '.join(loaded.files)}: call the array of true vertices 'truth'")
-            loaded = loaded[name or loaded.files[0]]
-    values = np.asarray(loaded)
-    if values.shape != (n_x,):
-        raise ParameterError(f"{path}: expected one vertex of Y for each of the {n_x} of X, got shape {values.shape}")
-    if values.dtype.kind == "f" and np.array_equal(values, np.round(values)):
-        values = values.astype(np.int64)
-    return checked_indices(values, n_y, str(path))
+        if path.suffix in (".npz", ".npy"):
+            arrays = saved_arrays(path)
+            name = next((name for name in ("", "truth", "p2p") if name in arrays), None)
+            if name is None and len(arrays) != 1:
+                raise MeshError(f"it holds {', '.join(arrays) or 'nothing'}: call the array of true vertices 'truth'")
+            values = arrays[name] if name is not None else next(iter(arrays.values()))
+        else:
+            values = number_table(path)
+            values = values.ravel() if 1 in values.shape else values
+        if values.shape != (n_x,):
+            raise MeshError(f"expected one vertex of Y for each of the {n_x} of X, got shape {values.shape}")
+        whole = whole_numbers(values, "truth")
+    except MeshError as error:
+        raise ParameterError(f"{path}: not a list of vertices ({reason(error)})") from error
+    return checked_indices(whole, n_y, str(path))
 
 
 def match_results(found: MatchResult) -> dict[str, Any]:

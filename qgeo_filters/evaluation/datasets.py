@@ -15,6 +15,8 @@ import numpy as np
 
 from qgeo_filters._typing import IndexArray
 from qgeo_filters.errors import MeshError, QgeoError
+from qgeo_filters.io.formats import path_in_errors
+from qgeo_filters.io.number_files import number_table, saved_arrays, whole_numbers
 from qgeo_filters.surface import Surface
 
 
@@ -112,25 +114,34 @@ class ToscaRemeshed(Dataset):
     def truth(self, x: str, y: str) -> PointMap:
         """True map, known at every vertex of x."""
         self._require_one_category(x, y)
-        return self._through(x, y, None)
+        return self._through(self._table(x, "full_of_vertex"), y)
 
     def symmetry(self, name: str) -> PointMap:
         """True left/right map, known at every vertex."""
         file = self.root / "symmetry" / f"{self.category(name)}.sym"
-        return self._through(name, name, _indices(file))
+        mirror = _indices(file)
+        full = _images(mirror, self._table(name, "full_of_vertex"), file)
+        return self._through(full, name)
 
-    def _through(self, x: str, y: str, mirror: IndexArray | None) -> PointMap:
-        full = self._table(x, "full_of_vertex")
-        if mirror is not None:
-            full = mirror[full]
-        return PointMap(np.arange(len(full)), self._table(y, "vertex_of_full")[full])
+    def _through(self, full: IndexArray, y: str) -> PointMap:
+        """Map to the vertices of y from those that are these on the full-resolution mesh."""
+        return PointMap(np.arange(len(full)), _images(self._table(y, "vertex_of_full"), full, self._file(y)))
+
+    def _file(self, name: str) -> Path:
+        return self.root / "ground_truth" / f"{name}.npz"
 
     def _table(self, name: str, key: str) -> IndexArray:
-        file = self.root / "ground_truth" / f"{name}.npz"
+        file = self._file(name)
         if not file.is_file():
             raise NoTruthError(f"no ground truth for {name}: {file} is missing")
-        with np.load(file) as tables:
-            return tables[key].astype(np.int64)
+        with path_in_errors(file):
+            tables = saved_arrays(file)
+            if key not in tables:
+                raise MeshError(f"no array {key}, only {', '.join(tables) or 'nothing'}")
+            values = whole_numbers(tables[key], key)
+            if values.ndim != 1 or (values < 0).any():
+                raise MeshError(f"{key} must be vertices, counted from 0, in one dimension")
+            return values
 
 
 class IndexedDataset(Dataset):
@@ -207,8 +218,13 @@ class VtsDataset(Dataset):
         if not file.is_file():
             return super().symmetry(name)
         vertices = self._vertices(name)
+        mirror = _indices(file)
+        if len(mirror) != len(vertices):
+            raise MeshError(
+                f"{file} has {len(mirror)} points and {name}.vts has {len(vertices)}; expected one template"
+            )
         points, first = np.unique(vertices, return_index=True)
-        return PointMap(points, vertices[_indices(file)][first])
+        return PointMap(points, _images(vertices, mirror[first], file))
 
     def _vertices(self, name: str) -> IndexArray:
         return _indices(self.root / "corres" / f"{name}.vts")
@@ -258,11 +274,25 @@ def _indices(file: Path) -> IndexArray:
     """Numbers from 1 in a text file, as indices from 0."""
     if not file.is_file():
         raise NoTruthError(f"{file} is missing")
-    try:
-        values = np.loadtxt(file, dtype=np.float64, ndmin=1)
-    except ValueError as error:
-        raise MeshError(f"{file}: not a list of numbers ({error})") from error
-    bad = np.flatnonzero((values != np.floor(values)) | (values < 1)) if values.ndim == 1 else np.zeros(1)
-    if values.ndim != 1 or bad.size:
-        raise MeshError(f"{file}: expected one vertex, counted from 1, in each line")
-    return values.astype(np.int64) - 1
+    with path_in_errors(file):
+        table = number_table(file)
+        if 1 not in table.shape:
+            raise MeshError(f"expected one vertex, counted from 1, in each line, got a table of shape {table.shape}")
+        values = whole_numbers(table.ravel(), "vertex")
+        bad = np.flatnonzero(values < 1)
+        if bad.size:
+            raise MeshError(
+                f"expected one vertex, counted from 1, in each line, got {values[bad[0]]} ({bad.size} such)"
+            )
+    return values - 1
+
+
+def _images(of: IndexArray, at: IndexArray, file: Path) -> IndexArray:
+    """Images of some vertices under the map of a file; MeshError for a vertex that it does not know."""
+    outside = np.flatnonzero(at >= len(of))
+    if outside.size:
+        raise MeshError(
+            f"{file}: no image of vertex {at[outside[0]]}, only of {len(of)} vertices, numbered from 0 "
+            f"({outside.size} such {'vertex' if outside.size == 1 else 'vertices'})"
+        )
+    return of[at]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-import zipfile
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -14,12 +13,13 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.atomic import atomic_write
-from qgeo_filters.errors import QgeoError, reason
+from qgeo_filters.errors import MeshError, ParameterError, QgeoError, reason
 from qgeo_filters.evaluation.datasets import Dataset, NoTruthError, PointMap
 from qgeo_filters.evaluation.errors import SymmetricErrors, geodesic_error, symmetric_errors
 from qgeo_filters.evaluation.tables import PairResult
 from qgeo_filters.fingerprint import content_key
 from qgeo_filters.geodesics.matrix import distance_matrix
+from qgeo_filters.io.number_files import saved_arrays
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.symmetry import self_symmetry
@@ -27,6 +27,10 @@ from qgeo_filters.parallel import default_workers, worker_count
 from qgeo_filters.surface import Surface
 
 What = Literal["match", "symmetry"]
+
+# Type and dimensions of what is kept of a pair.
+_KINDS = {"key": ("U", 0), "direct": ("f", 1), "reflected": ("f", 1), "confident": ("b", 0), "seconds": ("f", 0)}
+_KINDS |= {"p2p": ("i", 1)}
 
 
 @dataclass(frozen=True)
@@ -66,18 +70,31 @@ class PairStore:
         self.reused = 0
 
     def load(self, name: str, category: str, key: str) -> PairResult | None:
-        """The kept result, if it is that of the same shapes, truth and code."""
+        """The kept result, if it is that of the same shapes, truth and code.
+
+        Raises
+        ------
+        ParameterError
+            For a file of this name that is no result of a pair: it is somebody's, and is not replaced.
+        """
+        file = self._file(name)
         try:
-            with np.load(self._file(name), allow_pickle=False) as kept:
-                if str(kept["key"]) != key:
-                    return None
-                errors = SymmetricErrors(kept["direct"], kept["reflected"])
-                confident, seconds = bool(kept["confident"]), float(kept["seconds"])
-                result = PairResult(name, category, errors, confident, seconds, kept["p2p"])
-        except (FileNotFoundError, KeyError, ValueError, zipfile.BadZipFile):
-            return None  # another program's file: it is replaced
+            kept = saved_arrays(file)
+        except FileNotFoundError:
+            return None
+        except MeshError as error:
+            raise _foreign(file, reason(error)) from error
+        kinds = {field: (array.dtype.kind, array.ndim) for field, array in kept.items()}
+        odd = [field for field, kind in _KINDS.items() if kinds.get(field) != kind]
+        if odd:
+            raise _foreign(file, f"{odd[0]} is not what it should be")
+        if str(kept["key"]) != key:
+            return None
+        errors = SymmetricErrors(kept["direct"], kept["reflected"])
+        if errors.direct.shape != errors.reflected.shape or not np.isfinite([errors.direct, errors.reflected]).all():
+            raise _foreign(file, "errors that are no distances")
         self.reused += 1
-        return result
+        return PairResult(name, category, errors, bool(kept["confident"]), float(kept["seconds"]), kept["p2p"])
 
     def save(self, result: PairResult, key: str) -> None:
         """Keep a result, in place of an earlier one of this name."""
@@ -154,6 +171,10 @@ def measured(
             if not awaited[one]:
                 shapes.pop(one, None)
         yield outcome
+
+
+def _foreign(file: Path, why: str) -> ParameterError:
+    return ParameterError(f"{file} is not a result of an evaluation ({why}): move it away")
 
 
 def by_target(pairs: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:

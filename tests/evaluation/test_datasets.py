@@ -110,7 +110,56 @@ def test_shrec_layout_lists_its_own_pairs(tmp_path: Path) -> None:
         data.truth("1", "2")
 
 
-@pytest.mark.parametrize("content", ["0\n1\n", "1.5\n", "one\n", "1 2\n3 4\n"])
+@pytest.fixture
+def remeshed(tmp_path: Path) -> Path:
+    """Two poses of twelve vertices, cut from a mesh of twenty, and its left/right map."""
+    write(tmp_path / "remeshed", "cat0.off", "cat1.off")
+    (tmp_path / "ground_truth").mkdir()
+    for name in ("cat0", "cat1"):
+        table = {"full_of_vertex": np.arange(12), "vertex_of_full": np.arange(20) % 12}
+        np.savez(tmp_path / "ground_truth" / f"{name}.npz", **table)
+    lines(tmp_path / "symmetry" / "cat.sym", list(range(20, 0, -1)))
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("arrays", "message"),
+    [
+        ({"full_of_vertex": [0, 99]}, r"cat1\.npz: no image of vertex 99, only of 20 vertices, .* \(1 such vertex\)"),
+        ({"full_of_vertex": [0, -1]}, "full_of_vertex must be vertices, counted from 0"),
+        ({"full_of_vertex": [[0, 1]]}, "full_of_vertex must be vertices, counted from 0, in one dimension"),
+        ({"full_of_vertex": [0, 0.5]}, r"full_of_vertex\[1\] is 0.5, not a whole number"),
+        ({"full_of_vertex": ["x"]}, "full_of_vertex must be whole numbers"),
+        ({"full": [0]}, "no array full_of_vertex, only full"),
+        (None, "is not a readable .npz file"),
+    ],
+)
+def test_ground_truth_that_lies_is_named(remeshed: Path, arrays: dict[str, list] | None, message: str) -> None:
+    file = remeshed / "ground_truth" / "cat0.npz"
+    if arrays is None:
+        file.write_bytes(file.read_bytes()[:-30])
+    else:
+        np.savez(file, **arrays)
+    with pytest.raises(MeshError, match=message):
+        ToscaRemeshed(remeshed).truth("cat0", "cat1")
+
+
+def test_a_left_right_map_of_another_mesh_is_named(remeshed: Path) -> None:
+    lines(remeshed / "symmetry" / "cat.sym", [2, 1])
+    with pytest.raises(MeshError, match=r"cat\.sym: no image of vertex 2, only of 2 vertices"):
+        ToscaRemeshed(remeshed).symmetry("cat0")
+    write(remeshed / "off", "cat.off")
+    lines(remeshed / "corres" / "cat.vts", [1, 2, 3])
+    for values, message in (
+        ([1, 2], r"template\.sym has 2 points"),
+        ([1, 2, 9], r"template\.sym: no image of vertex 8"),
+    ):
+        lines(remeshed / "corres" / "template.sym", values)
+        with pytest.raises(MeshError, match=message):
+            VtsDataset(remeshed).symmetry("cat")
+
+
+@pytest.mark.parametrize("content", ["", "0\n1\n", "1.5\n", "1e99\n", "nan\n", "one\n", "1 2\n3 4\n"])
 def test_files_that_do_not_count_from_one_are_refused(tmp_path: Path, content: str) -> None:
     (tmp_path / "a.vts").write_text(content)
     with pytest.raises(MeshError, match=r"a\.vts"):

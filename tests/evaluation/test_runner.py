@@ -14,7 +14,16 @@ from shapes import icosphere
 from test_house import ARROWS, MODULES
 
 from qgeo_filters.errors import MeshError, ParameterError
-from qgeo_filters.evaluation import Dataset, PairFailure, PairResult, PointMap, measured, runner
+from qgeo_filters.evaluation import (
+    Dataset,
+    PairFailure,
+    PairResult,
+    PairStore,
+    PointMap,
+    SymmetricErrors,
+    measured,
+    runner,
+)
 from qgeo_filters.fingerprint import numeric_sources
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.matching.prepared_shape import PreparedShape
@@ -122,3 +131,42 @@ def test_workers_hold_for_the_pairs_and_not_for_the_caller(no_match: list[int]) 
     assert no_match == [3, 3]
     with pytest.raises(ParameterError, match="workers"):
         next(measured(TwoSpheres(), [], workers=0))
+
+
+RESULT = PairResult("a - b", "a", SymmetricErrors(np.zeros(3), np.ones(3)), True, 2.5, np.arange(3))
+
+
+def test_kept_pairs_come_back_and_old_ones_do_not(tmp_path: Path) -> None:
+    store = PairStore(tmp_path)
+    assert store.load("a - b", "a", "key") is None
+    store.save(RESULT, "key")
+    assert store.load("a - b", "a", "another key") is None
+    found = store.load("a - b", "a", "key")
+    assert found is not None
+    assert (found.confident, found.seconds, store.reused) == (True, 2.5, 1)
+    np.testing.assert_array_equal(found.errors.reflected, np.ones(3))
+    np.testing.assert_array_equal(found.p2p, np.arange(3))
+
+
+KEPT = {
+    "key": "key", "direct": np.zeros(3), "reflected": np.zeros(3), "confident": True, "seconds": 1.0,
+    "p2p": np.arange(3),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"direct": np.zeros(4)}, {"direct": "far"}, {"direct": [np.nan] * 3}, {"p2p": 3}, {"confident": 2.0},
+        {"key": 3}, {"seconds": [1.0]},
+    ],
+    ids=str,
+)  # fmt: skip
+def test_a_file_that_is_no_pair_is_not_taken_for_one(tmp_path: Path, other: dict[str, object]) -> None:
+    np.savez(tmp_path / "a-b.npz", **{**KEPT, **other})  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match=r"a-b\.npz is not a result of an evaluation .*: move it away"):
+        PairStore(tmp_path).load("a - b", "a", "key")
+    (tmp_path / "a-b.npz").write_text("notes")
+    with pytest.raises(ParameterError, match=r"neither an \.npz nor an \.npy file"):
+        PairStore(tmp_path).load("a - b", "a", "key")
+    assert (tmp_path / "a-b.npz").read_text() == "notes"
