@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from qgeo_filters.cli.options import Force, Json, Output, Pictures, Quiet, Repair, Settings, Workers, repair_option
-from qgeo_filters.errors import ParameterError, QgeoError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -39,10 +38,7 @@ def run(
     from qgeo_filters.filters.base import Pipeline
     from qgeo_filters.report.figures import plot_attribute
 
-    try:
-        steps = Pipeline.load(pipeline)
-    except (QgeoError, UnicodeDecodeError) as error:
-        raise ParameterError(f"{pipeline}: {error}") from error
+    steps = Pipeline.load(pipeline)
     mend = repair_option(repair, force)
     settings = Settings(output, quiet, json, mend, pictures)
     numbered = enumerate(steps.steps, start=1)

@@ -15,7 +15,7 @@ from qgeo_filters._deprecation import renamed_parameters
 from qgeo_filters._typing import RepairOption
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.caching import cache
-from qgeo_filters.errors import MeshError, ParameterError
+from qgeo_filters.errors import MeshError, ParameterError, reason
 from qgeo_filters.filters import yaml_text
 from qgeo_filters.filters.registry import filter_by_name
 from qgeo_filters.hosts.dispatch import as_surface, is_host_mesh, write_back
@@ -249,8 +249,11 @@ class Pipeline(Filter):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Pipeline:
-        """Pipeline from a YAML file, see `from_yaml`."""
-        return cls.from_yaml(Path(path).read_text(encoding="utf-8"))
+        """Pipeline from a YAML file, see `from_yaml`; the message of an error starts with the path."""
+        try:
+            return cls.from_yaml(Path(path).read_text(encoding="utf-8-sig"))
+        except (ParameterError, UnicodeDecodeError) as error:
+            raise ParameterError(f"{os.fspath(path)}: {reason(error)}") from error
 
 
 def _steps_of(filter: Filter) -> Sequence[Filter]:

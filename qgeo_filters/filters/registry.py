@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import reprlib
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -55,7 +56,7 @@ def filter_by_name(name: str, parameters: Mapping[str, Any]) -> Filter:
     """
     known = registered_filters()
     if name not in known:
-        raise ParameterError(f"unknown filter {name!r}; known are {', '.join(sorted(known))}")
+        raise ParameterError(f"unknown filter {reprlib.repr(name)}; known are {', '.join(sorted(known))}")
     filter = known[name]()
     defaults = filter.get_params()
     for key, value in parameters.items():

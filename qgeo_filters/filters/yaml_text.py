@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+import reprlib
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 import yaml
 
-from qgeo_filters.errors import ParameterError
+from qgeo_filters.errors import ParameterError, reason
 
 FORMAT = 1
 
@@ -41,14 +42,13 @@ def from_yaml(text: str) -> list[Step]:
     """
     try:
         content = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise ParameterError(f"the pipeline is not valid YAML: {' '.join(str(error).split())}") from error
+    except (yaml.YAMLError, ValueError, LookupError, RecursionError) as error:  # as 2001-13-45, !!int "" and [[[... are
+        raise ParameterError(f"the pipeline is not valid YAML: {reason(error)}") from error
     if not isinstance(content, dict) or not isinstance(content.get("steps"), list):
         raise ParameterError("the pipeline must be a mapping with qgeo_pipeline: 1 and a list of steps")
     if content.get("qgeo_pipeline") != FORMAT:
-        raise ParameterError(
-            f"the pipeline has format {content.get('qgeo_pipeline')!r}, this version reads qgeo_pipeline: {FORMAT}"
-        )
+        found = reprlib.repr(content.get("qgeo_pipeline"))
+        raise ParameterError(f"the pipeline has format {found}, this version reads qgeo_pipeline: {FORMAT}")
     return [_step(position, entry) for position, entry in enumerate(content["steps"])]
 
 
@@ -70,9 +70,14 @@ def _step(position: int, entry: Any) -> Step:
     if isinstance(entry, str):
         entry = {entry: {}}
     if not isinstance(entry, dict) or len(entry) != 1:
-        raise ParameterError(f"steps[{position}] must be one FilterName: {{parameter: value}}, got {entry!r}")
+        raise ParameterError(
+            f"steps[{position}] must be one FilterName: {{parameter: value}}, got {reprlib.repr(entry)}"
+        )
     name, parameters = next(iter(entry.items()))
     parameters = {} if parameters is None else parameters
-    if not isinstance(parameters, dict):
-        raise ParameterError(f"steps[{position}] ({name}): parameters must be a mapping, got {parameters!r}")
+    if not isinstance(parameters, dict) or not all(isinstance(key, str) for key in parameters):
+        given = reprlib.repr(parameters)
+        raise ParameterError(
+            f"steps[{position}] ({reprlib.repr(name)}): parameters must be a mapping by name, got {given}"
+        )
     return str(name), parameters

@@ -85,12 +85,35 @@ def test_yaml_by_hand() -> None:
         ("qgeo_pipeline: 1\nsteps: [{Paint: {colour: red}}]", r"steps\[0\]: Paint has no parameter 'colour'"),
         ("qgeo_pipeline: 1\nsteps: [{Paint: 3}]", "parameters must be a mapping"),
         ("qgeo_pipeline: 1\nsteps: [3]", r"steps\[0\] must be one FilterName"),
+        ("qgeo_pipeline: 1\nsteps: [{Paint: {1: 2}}]", "parameters must be a mapping by name"),
+        ("qgeo_pipeline: 2001-13-45", "not valid YAML: month must be"),
+        ("qgeo_pipeline: !!int ''", "not valid YAML"),
+        (f"qgeo_pipeline: {9 * '9' * 999}", "not valid YAML"),
+        (5000 * "[", "not valid YAML"),
+        (f"qgeo_pipeline: 1\nsteps: [{999 * 'x'}]", r"unknown filter 'x+\.\.\.x+'"),
     ],
 )
 def test_bad_yaml_gets_one_sentence(text: str, sentence: str) -> None:
     with pytest.raises(ValueError, match=sentence) as caught:
         qg.Pipeline.from_yaml(text)
     assert "\n" not in str(caught.value)
+
+
+def test_mappings_that_could_double_at_every_line_do_not() -> None:
+    """Forty lines of merges would be more keys than there is memory for."""
+    lines = ["m0: &m0 {a: 1, b: 2}"]
+    lines += [f"m{i}: &m{i} {{<<: [{', '.join(9 * [f'*m{i - 1}'])}]}}" for i in range(1, 40)]
+    with pytest.raises(qg.ParameterError, match="must be a mapping with qgeo_pipeline"):
+        qg.Pipeline.from_yaml("\n".join(lines))
+
+
+@pytest.mark.parametrize("content", [b"steps: [", b"\xff\xfe\x00", b"qgeo_pipeline: 1\nsteps: [Sharpen]"])
+def test_a_bad_file_is_named(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "pipe.yaml").write_bytes(content)
+    with pytest.raises(qg.ParameterError) as caught:
+        qg.Pipeline.load(tmp_path / "pipe.yaml")
+    assert str(caught.value).startswith(f"{tmp_path / 'pipe.yaml'}: ")
+    assert str(caught.value).count("pipe.yaml") == 1
 
 
 def test_a_pipeline_saved_before_weights_became_mass_still_loads() -> None:
