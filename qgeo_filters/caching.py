@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import enum
+import hashlib
 import logging
 import os
 import re
@@ -31,6 +32,7 @@ _log = logging.getLogger(__name__)
 # Names of the files that are this cache's, and those of files that a writer was killed over.
 _OWN = re.compile(r"\w+-[0-9a-f]{32}\.joblib")
 _BEGUN = re.compile(r"\.\w+-[0-9a-f]{32}-\w+\.joblib")
+_DIGEST = 32  # bytes of SHA-256 before the pickle
 _ABANDONED = 86_400.0  # seconds after which nobody writes there any more
 
 
@@ -251,10 +253,10 @@ class StageCache:
         if path is None:
             return None, False
         try:
-            value = joblib.load(path)
+            value = _read(path)
         except FileNotFoundError:
             return None, False
-        except Exception as error:  # unpickling what is damaged raises any kind of error
+        except Exception as error:  # what is whole, but of another version of a library, raises any kind of error
             _log.warning("%s cannot be read (%s: %s): computed again", path, type(error).__name__, error)
             return None, False
         with contextlib.suppress(OSError):  # another process may have removed it
@@ -267,7 +269,7 @@ class StageCache:
         if path is None:
             return
         with atomic_path(path) as temporary:
-            joblib.dump(value, temporary)
+            _write(temporary, value)
         self._shrink_folder(path)
 
     def _shrink_folder(self, newest: Path | None = None) -> None:
@@ -280,6 +282,26 @@ class StageCache:
                 _remove(path)
                 total -= size
                 _log.debug("%s: removed, %d bytes", path, size)
+
+
+def _write(path: Path, value: Any) -> None:
+    with path.open("w+b") as file:
+        file.write(bytes(_DIGEST))
+        joblib.dump(value, file)
+        file.seek(_DIGEST)
+        digest = hashlib.file_digest(file, "sha256").digest()
+        file.seek(0)
+        file.write(digest)
+
+
+def _read(path: Path) -> Any:
+    """Value of a file that is as it was written: unpickling any other can end the process, or give other numbers."""
+    with path.open("rb") as file:
+        digest = file.read(_DIGEST)
+        if hashlib.file_digest(file, "sha256").digest() != digest:
+            raise ValueError("it is damaged")
+        file.seek(_DIGEST)
+        return joblib.load(file)
 
 
 def _remove(path: Path) -> None:

@@ -214,6 +214,22 @@ def test_sizes_count_shared_memory_once() -> None:
     assert size_in_bytes("text") == 64
 
 
+def test_one_turned_bit_is_seen(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    """A damaged pickle can end the process, and a damaged array would be taken for the true one."""
+    StageCache(directory=tmp_path).get("k", lambda: np.arange(50.0))
+    (file,) = tmp_path.iterdir()
+    content = file.read_bytes()
+    for place in np.linspace(0, len(content) - 1, 60).astype(int):
+        damaged = bytearray(content)
+        damaged[place] ^= 4
+        file.write_bytes(damaged)
+        caplog.clear()
+        found = StageCache(directory=tmp_path).get("k", lambda: np.arange(50.0))
+        np.testing.assert_array_equal(found, np.arange(50.0))
+        assert "it is damaged" in caplog.text
+    assert file.read_bytes() == content
+
+
 @pytest.mark.parametrize("content", [b"", b"no joblib file", None], ids=["empty", "foreign", "cut"])
 def test_a_damaged_file_is_computed_again(tmp_path: Path, content: bytes | None, caplog) -> None:
     StageCache(directory=tmp_path).get("k", lambda: np.arange(1000))
