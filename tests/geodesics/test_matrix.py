@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import shapes
 from graph_cases import exact_rows, relative_error
 
-from qgeo_filters.errors import DisconnectedError
+from qgeo_filters.errors import DisconnectedError, ParameterError
 from qgeo_filters.geodesics import matrix as matrix_module
 from qgeo_filters.geodesics import storage
 from qgeo_filters.geodesics.dgg.graph import GeodesicGraph
@@ -205,6 +207,85 @@ def test_disk_that_fills_up(
         with pytest.raises(OSError, match=r"the disk is full: 3 of 11 groups of rows are written .* call again"):
             distance_matrix(surface, out=tmp_path / "d.zarr", workers=1)
     assert np.array_equal(distance_matrix(surface, out=tmp_path / "d.zarr")[:], matrix)
+
+
+def test_rows_that_were_lost_are_computed_again(
+    surface: Surface, matrix: np.ndarray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Zarr takes a missing row for NaN, and stumbles over one that was cut short only when it is looked at."""
+    target, n = tmp_path / "d.zarr", surface.n_vertices
+    distance_matrix(surface, out=target)
+    (target / "c" / "3" / "0").unlink()
+    (target / "c" / str(n - 1) / "0").write_bytes(b"half")
+    whole, computed = GeodesicGraph.distances_into, []
+
+    def noted(self: GeodesicGraph, out: np.ndarray, rows: np.ndarray, sources: np.ndarray) -> None:
+        computed.append(sources)
+        whole(self, out, rows, sources)
+
+    monkeypatch.setattr(GeodesicGraph, "distances_into", noted)
+    assert np.array_equal(distance_matrix(surface, out=target, workers=1)[:], matrix)
+    assert 1 <= len(computed) <= 2  # the groups of these rows, no others
+    assert {3, n - 1} <= set(np.concatenate(computed).tolist())
+
+
+def changed(document: dict[str, Any], *path: str, value: Any) -> dict[str, Any]:
+    """The document with another value at a place, taken away where it is None."""
+    document = json.loads(json.dumps(document))
+    holder = document
+    for key in path[:-1]:
+        holder = holder[key]
+    if value is None:
+        del holder[path[-1]]
+    else:
+        holder[path[-1]] = value
+    return document
+
+
+KEY = ("attributes", "qgeo_distance_matrix")
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        ((*KEY, "done"), None),
+        ((*KEY, "done"), "xx"),
+        ((*KEY, "done"), 3),
+        ((*KEY, "done"), "f"),
+        ((*KEY, "fingerprint"), None),
+        ((*KEY, "group"), 3),
+        (KEY, None),
+        (KEY, [1]),
+        (("attributes",), [1]),
+        (("chunk_grid", "configuration", "chunk_shape"), [2, 162]),
+        (("chunk_key_encoding", "configuration", "separator"), "."),
+        (("codecs",), [{"name": "bytes", "configuration": {"endian": "big"}}]),
+        (("codecs",), [{"name": "bytes", "configuration": {"endian": "little"}}, {"name": "gzip"}]),
+        (("fill_value",), 0),
+        (("zarr_format",), 2),
+    ],
+    ids=str,
+)
+def test_a_description_that_is_not_ours_is_refused(
+    surface: Surface, begun: dict[str, bytes], tmp_path: Path, path: tuple[str, ...], value: Any
+) -> None:
+    """Rows are written past Zarr: it would read them otherwise than they were meant."""
+    pytest.importorskip("zarr")
+    target = tmp_path / "d.zarr"
+    target.mkdir()
+    document = changed(json.loads(begun["zarr.json"]), *path, value=value)
+    (target / "zarr.json").write_text(json.dumps(document))
+    with pytest.raises(ParameterError, match=r"d\.zarr .*; choose another path, or delete it"):
+        distance_matrix(surface, out=target)
+    assert json.loads((target / "zarr.json").read_text()) == document
+
+
+@pytest.fixture(scope="module")
+def begun(surface: Surface, tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """Files of an array on disk, but for its rows."""
+    target = tmp_path_factory.mktemp("begun") / "d.zarr"
+    distance_matrix(surface, out=target)
+    return {path.name: path.read_bytes() for path in target.iterdir() if path.is_file()}
 
 
 # -- operator -----------------------------------------------------------------------------------------
