@@ -27,7 +27,7 @@ def main() -> None:
         count = 0
         for batch in timed_indices(options.seconds):
             for finding in fuzzed(target, options.seed, batch):
-                kind = re.sub(r"\d+", "#", finding.fault)
+                kind = kind_of(finding.fault)
                 if not kinds[kind]:
                     print(f"{target} {finding.index}: {finding.fault}", flush=True)
                     if options.keep:
@@ -35,6 +35,13 @@ def main() -> None:
                 kinds[kind] += 1
             count += len(batch)
         print(f"{target}: {sum(kinds.values())} of {count} inputs fail, in {len(kinds)} kinds", flush=True)
+
+
+def kind_of(fault: str) -> str:
+    """The fault without what it quotes of the input: the exception and its place, else how it begins."""
+    name, _, _ = fault.partition(":")
+    where = re.search(r"\[[^\]]*\]$", fault)
+    return f"{name} {where.group()}" if where else fault[:40]
 
 
 def keep(folder: Path, seed: int, target: str, index: int) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import io
 import json
+import os
 import random
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -347,3 +348,28 @@ OTHERS = {
 }
 
 TARGETS: dict[str, Target] = {**MESHES, **MAPS, **OTHERS}
+
+
+# -- a reader that does what none should, to try the sandbox -------------------------------------------
+
+
+def _hang() -> None:
+    while True:
+        pass
+
+
+_MISDEEDS: dict[str, Callable[[], object]] = {
+    "crash": os.abort,
+    "hang": _hang,
+    "devour": lambda: bytearray(4 << 30),
+    "stumble": lambda: {}["x"],
+    "shout": lambda: os.write(2, b"corrupted double-linked list"),
+}
+
+
+def misbehave(folder: Path, repair: bool) -> object:
+    """Do what the first file's name says."""
+    return _MISDEEDS[next(folder.iterdir()).name]()
+
+
+MISDEED = Target(list, mutations.bytes_changed, misbehave)
