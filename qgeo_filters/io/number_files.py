@@ -19,6 +19,8 @@ from qgeo_filters.io.text_numbers import plain_text
 
 _LARGEST = 2**53  # whole numbers beyond it cannot be told apart in float64
 _HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+# OSError: not of the disk, but of a place before the file's beginning.
+_DAMAGED: tuple[type[Exception], ...] = (zipfile.BadZipFile, OSError, *DAMAGED_FILE)
 
 
 def number_table(path: Path) -> FloatArray:
@@ -74,7 +76,7 @@ def saved_arrays(path: Path) -> dict[str, np.ndarray]:
             return _members(file, path)
         except MeshError:
             raise
-        except (zipfile.BadZipFile, OSError, *DAMAGED_FILE) as error:  # OSError: a place before the file's beginning
+        except _DAMAGED as error:
             raise MeshError(f"{path.name} is not a readable .npz file ({reason(error)})") from error
 
 
