@@ -46,7 +46,8 @@ def read_gifti(path: Path, repair: bool) -> RawMesh:
     except errors as error:
         raise MeshError(f"not a readable GIFTI file ({str(error) or type(error).__name__})") from error
     if _POSITIONS not in intents or _FACES not in intents:
-        raise MeshError(f"no surface, which takes points and triangles; its arrays are {', '.join(intents) or 'none'}")
+        found = ", ".join(dict.fromkeys(intents)) or "none"
+        raise MeshError(f"no surface, which takes points and triangles; its arrays are {found}")
     positions, faces = (np.asarray(arrays[intents.index(intent)].data) for intent in (_POSITIONS, _FACES))
     rest = [
         (intent, array)

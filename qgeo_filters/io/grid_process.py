@@ -97,6 +97,10 @@ def _vtk_arrays(path: str) -> dict[str, np.ndarray]:
 def _gmsh_arrays(path: str) -> dict[str, np.ndarray]:
     import meshio.gmsh
 
+    with open(path, "rb") as file:
+        begin = file.read(20)
+    if not begin.startswith((b"$MeshFormat", b"$Comments")):  # Fluent's meshes have the same suffix
+        raise ValueError(f"it is no Gmsh file of version 2 or 4, as it begins with {begin!r}")
     mesh = meshio.gmsh.read(path)
     curved = sorted({block.type for block in mesh.cells} - set(_CODES))
     if curved:

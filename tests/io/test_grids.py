@@ -75,6 +75,13 @@ def test_gmsh_files_and_their_node_data(tmp_path, form):
     np.testing.assert_allclose(surface.attributes["f"], VALUES["f"], rtol=1e-15)
 
 
+def test_meshes_of_fluent_are_no_files_of_gmsh(tmp_path):
+    meshio = pytest.importorskip("meshio")
+    meshio.ansys.write(tmp_path / "a.msh", meshio.Mesh(V, [("triangle", F)]))
+    with pytest.raises(MeshError, match=r"a.msh: not a readable .msh file \(it is no Gmsh file of version 2 or 4, as"):
+        Surface.read(tmp_path / "a.msh")
+
+
 def test_solids_and_curved_cells_of_gmsh(tmp_path):
     pytest.importorskip("meshio")
     file = tmp_path / "a.msh"
