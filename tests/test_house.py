@@ -123,6 +123,8 @@ def arrows(importer: str, tree: ast.Module) -> Iterator[Arrow]:
             assert node.level == 0 or importer == "qgeo_filters", f"{importer}: imports are absolute, but in the root"
             taken = [(node.module or "", alias.name) for alias in node.names]
         for module, name in taken:
+            if not getattr(node, "level", 0) and module.partition(".")[0] not in ("qgeo_filters", "qgeo_widgets"):
+                continue  # Python has modules of equal names: io
             module = module.removeprefix("qgeo_filters.")
             inner = name if module == "qgeo_filters" else f"{module}.{name}"
             if inner in MODULES:
