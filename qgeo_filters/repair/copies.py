@@ -6,6 +6,7 @@ import numpy as np
 
 from qgeo_filters import connectivity
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray
+from qgeo_filters.repair.equal_rows import equal_rows, occurring
 
 
 def without_copies(vertices: FloatArray, faces: IntArray) -> tuple[IntArray, IndexArray, int]:
@@ -19,14 +20,14 @@ def without_copies(vertices: FloatArray, faces: IntArray) -> tuple[IntArray, Ind
     piece = label[faces[:, 0]]
     if piece.min() == piece.max():
         return faces, stands_for, 0
-    used = np.unique(faces)
+    used = occurring(faces, len(vertices))
     place = np.zeros(len(vertices), dtype=np.int64)
-    place[used] = np.unique(vertices[used] + 0.0, axis=0, return_inverse=True)[1].ravel()  # -0.0 is 0.0
+    place[used], _ = equal_rows(vertices[used])
     # Corners in the order of their places, so that those of a copy stand beside those of its original.
     sorted_faces = np.take_along_axis(faces, np.argsort(place[faces], axis=1), axis=1)
-    _, first, number = np.unique(place[sorted_faces], axis=0, return_index=True, return_inverse=True)
-    original = first[number.ravel()]
+    number, first = equal_rows(place[sorted_faces])
+    original = first[number]
     own = np.bincount(piece, piece[original] == piece)
     copied = own[piece] == 0
     stands_for[sorted_faces[copied]] = sorted_faces[original[copied]]
-    return faces[~copied], stands_for, len(np.unique(piece[copied]))
+    return faces[~copied], stands_for, len(occurring(piece[copied], len(own)))

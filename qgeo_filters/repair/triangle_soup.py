@@ -16,6 +16,7 @@ from qgeo_filters._typing import FloatArray, IndexArray, IntArray
 from qgeo_filters.errors import MeshError
 from qgeo_filters.io.raw_mesh import RawMesh, counted
 from qgeo_filters.repair.copies import without_copies
+from qgeo_filters.repair.equal_rows import equal_rows, occurring
 from qgeo_filters.repair.manifold import consistent_flips, split_into_fans
 from qgeo_filters.repair.welding import welded
 from qgeo_filters.repair.winding import winding
@@ -82,7 +83,7 @@ def repaired_mesh(raw: RawMesh, *, force: bool = False) -> RepairedMesh:
     if not force:
         _check_loss(1 - _area(vertices[origin], faces) / area, 1 - len(sound) / len(given), sizes, report)
     faces = _turned_outwards(vertices[origin], faces, report)
-    used = np.unique(faces)
+    used = occurring(faces, len(origin))
     renumbered = np.full(len(origin), -1, dtype=np.int32)
     renumbered[used] = np.arange(len(used))
     origin, faces = origin[used], renumbered[faces]
@@ -185,7 +186,7 @@ def _welded(vertices: FloatArray, faces: IntArray, report: list[str]) -> IndexAr
 def _without_repeats(faces: IntArray, report: list[str]) -> IntArray:
     flat = (faces == np.roll(faces, 1, axis=1)).any(axis=1)  # left by the collapse
     faces = faces[~flat]
-    _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+    _, first = equal_rows(np.sort(faces, axis=1))
     if len(first) < len(faces):
         report.append(f"{counted(len(faces) - len(first), 'duplicate face')} removed")
     return faces[np.sort(first)]

@@ -12,9 +12,10 @@ from scipy.spatial import KDTree
 
 from qgeo_filters import connectivity
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray
+from qgeo_filters.repair.equal_rows import equal_rows, occurring
 
-# Corners that an exporter rounds to single precision facet by facet differ by a few of its steps.
-_STEPS = 8
+# Corners computed facet by facet differ by a few steps of single precision; in text, in the sixth digit.
+_STEPS, _OF_EXTENT = 8, 1e-5
 # Nearer than this share of the shortest edge there, vertices are one place and not a small detail.
 _OF_SHORTEST_EDGE = 0.1
 # Nearest places that are looked at: with the rounding of three coordinates a corner has up to eight.
@@ -41,9 +42,9 @@ def welded(vertices: FloatArray, faces: IntArray) -> tuple[IndexArray, float]:
 
     Notes
     -----
-    Positions agree if they are equal, or differ by no more than eight steps of single precision at the size of the
-    mesh and a tenth of the shortest edge there. The size is the mesh's extent, or its distance from the origin where
-    all coordinates are single-precision numbers, as those are rounded there. A sheet folded flat onto itself keeps its
+    Positions agree if they are equal, or differ by no more than a tenth of the shortest edge there and a hundred
+    thousandth of the mesh's extent; where all coordinates are single-precision numbers also by eight steps of the
+    largest, as far from the origin these are rounded more. A sheet folded flat onto itself keeps its
     rim: two faces of one piece that lie on each other are not joined where these are the only ones at an edge. A slit
     cannot be told from a seam, and is closed.
     """
@@ -52,7 +53,7 @@ def welded(vertices: FloatArray, faces: IntArray) -> tuple[IndexArray, float]:
     if half.size == 0:
         return np.arange(len(vertices)), 0.0
     tails, heads = faces.ravel()[half], np.roll(faces, -1, axis=1).ravel()[half]
-    place = _places(vertices, faces, np.unique([tails, heads]))
+    place = _places(vertices, faces, occurring(np.concatenate([tails, heads]), len(vertices)))
     # Ends in the order of their places, so that equal rows are edges that lie on each other.
     ends = np.column_stack([tails, heads])
     swapped = place[tails] > place[heads]
@@ -78,11 +79,11 @@ def not_welded(count: int) -> str:
 
 def _places(vertices: FloatArray, faces: IntArray, chosen: IndexArray) -> IndexArray:
     """Number of the place of each chosen vertex, equal where positions agree; (n,), 0 for the others."""
-    points, number = np.unique(vertices[chosen] + 0.0, axis=0, return_inverse=True)  # -0.0 is 0.0
-    number = number.ravel()
+    number, first = equal_rows(vertices[chosen])
+    points = vertices[chosen[first]]
     shortest = np.full(len(points), np.inf)
     np.minimum.at(shortest, number, _shortest_edges(vertices, faces)[chosen])
-    tolerance = _STEPS * float(np.finfo(np.float32).eps) * _size(vertices[np.unique(faces)])
+    tolerance = _tolerance(vertices[occurring(faces, len(vertices))])
     count = min(_NEIGHBOURS, len(points))
     found = KDTree(points).query(points, k=range(1, count + 1), distance_upper_bound=tolerance)
     distance, neighbour = np.asarray(found[0]), np.asarray(found[1])
@@ -104,11 +105,12 @@ def _shortest_edges(vertices: FloatArray, faces: IntArray) -> FloatArray:
     return shortest
 
 
-def _size(points: FloatArray) -> float:
-    """What rounding to single precision is relative to."""
+def _tolerance(points: FloatArray) -> float:
+    """Distance up to which rounding may have moved two corners apart."""
     with np.errstate(over="ignore"):
         single = bool(np.all(points == points.astype(np.float32)))
-    return float(np.abs(points).max() if single else np.ptp(points, axis=0).max())
+    rounding = _STEPS * float(np.finfo(np.float32).eps) * float(np.abs(points).max()) if single else 0.0
+    return max(rounding, _OF_EXTENT * float(np.ptp(points, axis=0).max()))
 
 
 def _rims(vertices: FloatArray, faces: IntArray, half: IndexArray, other: IndexArray, key: IndexArray) -> IndexArray:

@@ -119,6 +119,16 @@ def test_corners_that_differ_by_rounding_are_one(steps, offset):
     assert 0 < distance < 3 * steps * np.spacing(np.float32(offset + 2))
 
 
+def test_corners_that_differ_in_the_last_digit_of_a_text_are_one():
+    vertices, faces = torus(24, 12)
+    corners, own = soup(vertices, faces)
+    exact = corners + np.random.default_rng(0).normal(scale=2e-6, size=corners.shape)
+    digits = np.array([[float(f"{value:.6g}") for value in corner] for corner in exact.tolist()])
+    repaired = repair_surface((digits, own))
+    assert (repaired.surface.n_vertices, repaired.surface.n_faces) == (len(vertices), len(faces))
+    assert repaired.surface.is_closed
+
+
 def test_a_filter_works_on_an_unwelded_mesh_and_brings_its_values_back():
     vertices, faces = blob(2)
     filter = qg.DifferentialCoordinates()
@@ -193,7 +203,7 @@ def test_a_sheet_that_is_folded_flat_keeps_its_rim():
 
 
 def test_details_much_finer_than_the_extent_stay_as_they_are():
-    """A slot far narrower than single precision resolves of a large mesh, but not narrower than its own triangles."""
+    """A tube far narrower than rounding to the size of the whole mesh would leave it."""
     vertices, faces = cylinder(12, 6, radius=1e-8, height=6e-8)
     plate, plate_faces = grid(4)
     both = Surface(np.vstack([1 / 3 + plate, vertices]), np.vstack([plate_faces, faces + len(plate)]))
