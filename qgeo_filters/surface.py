@@ -16,7 +16,7 @@ from qgeo_filters._typing import FloatArray, IndexArray, IntArray, RepairOption
 from qgeo_filters.errors import DisconnectedError, MeshError, NonManifoldError
 from qgeo_filters.io.formats import path_in_errors, read_raw, write_raw
 from qgeo_filters.io.raw_mesh import RawMesh
-from qgeo_filters.repair.triangle_soup import repaired_mesh
+from qgeo_filters.repair.triangle_soup import MOST_AREA_LOST, repaired_mesh
 from qgeo_filters.repair.welding import not_welded, welded
 from qgeo_filters.repair.winding import Winding, winding
 from qgeo_filters.triangle_geometry import face_crosses, unit_normals
@@ -341,10 +341,12 @@ class Surface:
         sizes = np.sort(np.bincount(labels))[::-1]
         loose = self.unreferenced_vertices
         without = f", {loose.size} of them single vertices without faces ({listed(loose)})" if loose.size else ""
+        largest = np.bincount(labels, self.vertex_areas).max()
+        option = "True" if largest >= (1 - MOST_AREA_LOST) * self.area else "'force'"
         double = self.unwelded_vertices.size
         raise DisconnectedError(
             f"{purpose} needs a mesh in one piece, but there are {count} pieces of {listed(sizes)} vertices{without}; "
-            + (not_welded(double) if double else "take surface.largest_component()[0], or repair=True")
+            + (not_welded(double) if double else f"take surface.largest_component()[0], or repair={option}")
         )
 
 

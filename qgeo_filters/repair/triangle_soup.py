@@ -23,9 +23,10 @@ from qgeo_filters.repair.winding import winding
 from qgeo_filters.triangle_geometry import face_crosses
 from qgeo_filters.validation import checked_attributes, checked_faces, checked_vertices, frozen, listed
 
-# Shares beyond which a repair is refused unless it is forced.
-_MOST_AREA_LOST = 0.01
-_MOST_FACES_LOST = 0.5  # of those without a place, whose area nobody knows
+#: Share of the area beyond which a repair is refused unless it is forced.
+MOST_AREA_LOST = 0.01
+# The same of faces without a place, whose area nobody knows.
+_MOST_FACES_LOST = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,9 +222,9 @@ def _largest_piece(positions: np.ndarray, faces: IntArray, report: list[str]) ->
 
 def _check_loss(of_area: float, of_faces: float, sizes: IndexArray, report: list[str]) -> None:
     """Refuse a repair that keeps a shred: it removes much area, or most faces were without a place and so an area."""
-    if of_area <= _MOST_AREA_LOST and of_faces <= _MOST_FACES_LOST:
+    if of_area <= MOST_AREA_LOST and of_faces <= _MOST_FACES_LOST:
         return
-    lost = f"{100 * of_area:.3g} % of the area" if of_area > _MOST_AREA_LOST else f"{100 * of_faces:.3g} % of the faces"
+    lost = f"{100 * of_area:.3g} % of the area" if of_area > MOST_AREA_LOST else f"{100 * of_faces:.3g} % of the faces"
     pieces = f"; there are {len(sizes)} pieces, of {listed(sizes)} faces" if len(sizes) > 1 else ""
     raise MeshError(
         f"repair would remove {lost} ({'; '.join(report)}){pieces}; pass the piece that is meant, or repair='force' "

@@ -42,6 +42,30 @@ def test_info_describes_what_is_no_surface(qgeo: Qgeo, loaded: Loaded) -> None:
     assert content["results"]["genus"] is None
 
 
+def test_info_says_that_a_mesh_is_inside_out_or_not_welded(qgeo: Qgeo, loaded: Loaded) -> None:
+    sphere = qg.Surface.read("sphere.ply")
+    sphere.turned_over().write("inside_out.off")
+    qg.Surface(sphere.vertices[sphere.faces].reshape(-1, 3), np.arange(960).reshape(-1, 3)).write("loose.off")
+    for name, winding, unwelded, pieces in (
+        ("sphere.ply", "outward", 0, 1),
+        ("inside_out.off", "inward", 0, 1),
+        ("loose.off", "outward", 960 - 162, 320),
+        ("square.obj", "undetermined", 0, 1),
+    ):
+        assert qgeo("info", name, "--no-pictures", "-o", f"out-{name}").exit_code == 0
+        found = loaded(Path(f"out-{name}"))[0]["results"]
+        assert (found["winding"], found["unwelded_vertices"], found["pieces"]) == (winding, unwelded, pieces), name
+    for name, said in (
+        ("inside_out.off", "the mesh was inside out: 320 faces"),
+        ("loose.off", "798 boundary vertices"),
+    ):
+        assert qgeo("info", name, "--repair", "--no-pictures", "-o", f"mended-{name}").exit_code == 0
+        content, _ = loaded(Path(f"mended-{name}"))
+        assert content["results"]["winding"] == "outward"
+        assert content["results"]["closed"] is True
+        assert content["mesh"]["repaired"][0].startswith(said)
+
+
 def test_repair_is_reported(qgeo: Qgeo, loaded: Loaded) -> None:
     refused = qgeo("info", "fan.off", "--repair")
     assert refused.exit_code == 2
