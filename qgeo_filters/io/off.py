@@ -20,7 +20,7 @@ from qgeo_filters.io.polygons import Polygons, triangulated
 from qgeo_filters.io.raw_mesh import RawMesh, counted
 from qgeo_filters.io.text_numbers import Numbers, numbers_of, read_text, whole, without_comments
 
-_HEADER = re.compile(rb"\s*((?:ST)?C?N?4?n?)OFF(?=[\s\d]|$)([ \t]*BINARY)?", re.IGNORECASE)
+_HEADER = re.compile(rb"\s*((?:ST)?(?:CN?|NC?)?(?:ST)?4?n?)OFF(?=[\s\d]|$)([ \t]*BINARY)?", re.IGNORECASE)
 
 
 def read(path: Path, repair: bool) -> RawMesh:
@@ -149,9 +149,13 @@ def _gathered(values: FloatArray, at: IndexArray, sizes: IndexArray) -> Polygons
 def _attributes(rest: FloatArray, kind: str) -> dict[str, np.ndarray]:
     """Normals and colours from the numbers behind the position."""
     attributes = {}
-    if "N" in kind and rest.shape[1] >= 3:
+    end = rest.shape[1] - 2 * ("ST" in kind)
+    if "NC" in kind:  # as MeshLab writes them, colours first; all others have the normals first
+        rest = np.column_stack([rest[:, end - 3 : end], rest[:, : end - 3], rest[:, end:]])
+    if "N" in kind and end >= 3:
         attributes["normals"], rest = rest[:, :3], rest[:, 3:]
-    n_colors = min(rest.shape[1] - 2 * ("ST" in kind), 4)
+        end -= 3
+    n_colors = min(end, 4)
     if "C" in kind and n_colors >= 3:
         colors = rest[:, :n_colors]
         is_byte = len(colors) > 0 and bool((whole(colors) & (colors >= 0) & (colors <= 255)).all()) and colors.max() > 1
