@@ -99,7 +99,8 @@ class Surface:
         Parameters
         ----------
         path : path
-            OFF, OBJ, PLY, STL, GLB, TOSCA's .vert/.tri and .mat, told by the suffix, see `io.formats`.
+            OFF, OBJ, PLY, STL, glTF, TOSCA's .vert/.tri and .mat; VTK, Gmsh, GIFTI and FreeSurfer's surfaces where
+            the extras are installed. Told by the suffix, see `io.formats`.
         repair : bool or "force"
             Triangulate polygons and make the mesh manifold and one piece; `repair_surface` also says what was changed.
             More than a hundredth of the area is removed only with "force".

@@ -9,7 +9,7 @@ from xml.parsers.expat import ExpatError
 
 import numpy as np
 
-from qgeo_filters.errors import MeshError, require_package
+from qgeo_filters.errors import MeshError, reason, require_package
 from qgeo_filters.io.damage import DAMAGED_FILE
 from qgeo_filters.io.raw_mesh import RawMesh, counted
 
@@ -31,7 +31,7 @@ def read_freesurfer(path: Path, repair: bool) -> RawMesh:
         with warnings.catch_warnings(action="ignore"):
             positions, faces = nibabel.freesurfer.read_geometry(path)
     except DAMAGED_FILE as error:
-        raise MeshError(f"not a readable FreeSurfer surface ({error})") from error
+        raise MeshError(f"not a readable FreeSurfer surface ({reason(error)})") from error
     return RawMesh(positions, faces)
 
 
@@ -44,7 +44,7 @@ def read_gifti(path: Path, repair: bool) -> RawMesh:
             arrays = nibabel.gifti.GiftiImage.from_filename(path).darrays
             intents = [nibabel.nifti1.intent_codes.niistring[array.intent] for array in arrays]
     except errors as error:
-        raise MeshError(f"not a readable GIFTI file ({str(error) or type(error).__name__})") from error
+        raise MeshError(f"not a readable GIFTI file ({reason(error)})") from error
     if _POSITIONS not in intents or _FACES not in intents:
         found = ", ".join(dict.fromkeys(intents)) or "none"
         raise MeshError(f"no surface, which takes points and triangles; its arrays are {found}")

@@ -7,7 +7,7 @@ suffix              read                                          written
 .off                OFF; COFF's colours, NOFF's normals           17 digits
 .obj                faces, colours of vertices; groups joined     17 digits
 .stl                ascii and binary; equal corners are welded    binary, float32
-.glb, .gltf         the scene; equal vertices are welded          .glb, float32
+.glb, .gltf         the scene, colours; vertices are welded       .glb, float32
 .vert + .tri        TOSCA, from 1; either name or the stem        both files, 17 digits
 .mat                MATLAB 4 to 7: X, Y, Z (or VERT) with TRIV    ``surface`` with X, Y, Z, TRIV
 .vtk, .vtp, .vtu    polygons, strips, grids; point data           -

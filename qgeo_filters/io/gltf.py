@@ -15,6 +15,7 @@ from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import MeshError
 from qgeo_filters.io.gltf_accessors import accessor_values, draco_primitive, is_draco
+from qgeo_filters.io.gltf_attributes import joined_attributes, vertex_attributes
 from qgeo_filters.io.gltf_document import Document, mapping, opened
 from qgeo_filters.io.gltf_scene import PlacedMesh, placed_meshes
 from qgeo_filters.io.polygons import strip_triangles
@@ -32,9 +33,10 @@ _FEW = 4_000_000
 
 @dataclass
 class _Parts:
-    """Positions and triangles gathered so far, and what was passed over."""
+    """Positions with their attributes and triangles gathered so far, and what was passed over."""
 
     points: list[np.ndarray] = field(default_factory=list)
+    attributes: list[dict[str, np.ndarray]] = field(default_factory=list)
     faces: list[np.ndarray] = field(default_factory=list)
     n_points: int = 0
     n_numbers: int = 0
@@ -44,7 +46,8 @@ class _Parts:
 def read(path: Path, repair: bool) -> RawMesh:
     """Arrays of all triangles of a glTF scene, strips and fans too, placed as the scene places them.
 
-    Points and lines are passed over and skins and morph targets are left at rest, which the notes say.
+    Colours and attributes of one's own come along where all parts have them. Points and lines are passed over and
+    skins and morph targets are left at rest, which the notes say.
     """
     document = opened(path)
     for extension in document.elements("extensionsRequired"):
@@ -58,8 +61,9 @@ def read(path: Path, repair: bool) -> RawMesh:
     if not parts.faces:
         raise MeshError(f"the scene has no triangles{''.join(f'; {note}' for note in notes)}")
     points, index = weld(np.concatenate(parts.points))
+    attributes, dropped = joined_attributes(parts.attributes, index)
     faces = np.append(index, -1)[np.concatenate(parts.faces)]
-    return RawMesh(points, faces, notes=notes)
+    return RawMesh(points, faces, attributes, (*notes, *dropped))
 
 
 def write(path: Path, vertices: FloatArray, faces: IntArray) -> None:
@@ -79,21 +83,24 @@ def _add(document: Document, mesh: PlacedMesh, parts: _Parts, repair: bool) -> N
     if not isinstance(primitives, list):
         raise MeshError(f"{mesh.name} has no list of primitives")
     mirrored = bool(np.linalg.det(mesh.placement[:3, :3]) < 0)
-    known: dict[int, tuple[int, int]] = {}
+    known: dict[str, tuple[int, int]] = {}
     for number, entry in enumerate(primitives):
         name = f"primitive {number} of {mesh.name}"
         primitive = mapping(entry, name)
         mode = primitive.get("mode", _TRIANGLES)
-        key = mapping(primitive.get("attributes"), f"attributes of {name}").get("POSITION")
-        if mode in _POINTS_AND_LINES or key is None:
-            parts.without["no positions, passed over" if key is None else "points or lines, passed over"] += 1
+        accessors = mapping(primitive.get("attributes"), f"attributes of {name}")
+        if mode in _POINTS_AND_LINES or "POSITION" not in accessors:
+            what = "no positions" if "POSITION" not in accessors else "points or lines"
+            parts.without[f"{what}, passed over"] += 1
             continue
         if is_draco(document, primitive, name):
-            points, faces = draco_primitive(document, primitive, name)
-            place = _placed(document, points, mesh.placement, name, parts)
+            values, faces = draco_primitive(document, primitive, name)
+            place = _placed(document, values, accessors, mesh.placement, name, parts)
         else:
-            if not (isinstance(key, int) and key in known):
-                known[key] = _placed(document, accessor_values(document, key, name), mesh.placement, name, parts)
+            key = repr(sorted(accessors.items()))
+            if key not in known:
+                values = {"POSITION": accessor_values(document, accessors["POSITION"], name)}
+                known[key] = _placed(document, values, accessors, mesh.placement, name, parts)
             place = known[key]
             faces = _triangles(_corners(document, primitive, place[1], name), mode, name, repair, parts)
         start, count = place
@@ -102,16 +109,29 @@ def _add(document: Document, mesh: PlacedMesh, parts: _Parts, repair: bool) -> N
         parts.faces.append(np.where(faces < 0, -1, start + (faces[:, ::-1] if mirrored else faces)))
 
 
-def _placed(document: Document, points: np.ndarray, placement: FloatArray, name: str, parts: _Parts) -> tuple[int, int]:
-    """Keep positions at their place in the scene; index of the first, and their number."""
+def _placed(
+    document: Document,
+    values: dict[str, np.ndarray],
+    accessors: dict[str, Any],
+    placement: FloatArray,
+    name: str,
+    parts: _Parts,
+) -> tuple[int, int]:
+    """Keep positions, at their place in the scene, and their attributes; index of the first, and their number."""
+    points = values["POSITION"]
     if points.shape[1] != 3:
         raise MeshError(f"the positions of {name} have {points.shape[1]} coordinates, expected 3")
     _bounded(document, parts, points.size)
+    attributes, unread = vertex_attributes(document, accessors, values, len(points), name)
+    for attribute in unread:
+        parts.without[f"an attribute {attribute!r} that cannot be read, passed over"] += 1
+    _bounded(document, parts, sum(array.size for array in attributes.values()))
     start = parts.n_points
     points = points.astype(np.float64)
     if not np.array_equal(placement, np.eye(4)):
         points = points @ placement[:3, :3].T + placement[:3, 3]
     parts.points.append(points)
+    parts.attributes.append(attributes)
     parts.n_points += len(points)
     return start, len(points)
 

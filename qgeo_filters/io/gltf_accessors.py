@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from qgeo_filters.errors import MeshError, require_package
+from qgeo_filters.errors import MeshError, reason, require_package
 from qgeo_filters.io.gltf_document import Document, extensions, mapping, whole
 
 DRACO = "KHR_draco_mesh_compression"
@@ -53,23 +53,31 @@ def is_draco(document: Document, primitive: dict[str, Any], who: str) -> bool:
     return not all("bufferView" in element for element in elements)
 
 
-def draco_primitive(document: Document, primitive: dict[str, Any], who: str) -> tuple[np.ndarray, np.ndarray]:
-    """Positions (n, 3) and triangles (m, 3) of a primitive that Draco has compressed."""
+def draco_primitive(
+    document: Document, primitive: dict[str, Any], who: str
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Attributes, each of shape (n, width), and triangles (m, 3) of a primitive that Draco has compressed."""
     package = require_package("DracoPy", "files", f"reading {document.path.name}, compressed by {DRACO},")
     entry = mapping(extensions(primitive, who)[DRACO], f"{DRACO} of {who}")
-    data, _ = document.view(entry.get("bufferView"), who)  # type: ignore[arg-type]
+    data, _ = document.view(entry.get("bufferView"), who)
     try:
         decoded = package.decode(data)
         faces = np.asarray(decoded.faces, dtype=np.int64).reshape(-1, 3)
-        attributes = {one["unique_id"]: np.asarray(one["data"]) for one in decoded.attributes}
-        points = attributes[entry["attributes"]["POSITION"]]
+        stored = {one["unique_id"]: np.asarray(one["data"]) for one in decoded.attributes}
+        attributes = {name: stored[number] for name, number in entry["attributes"].items()}
+        count = len(attributes["POSITION"])
+        attributes = {name: values.reshape(count, -1) for name, values in attributes.items()}
     except Exception as error:  # of the package's own, which have no root in common
-        reason = str(error) or type(error).__name__
-        raise MeshError(f"{who} holds Draco data ({DRACO}) that cannot be decoded ({reason})") from error
-    accessor = document.element("accessors", primitive["attributes"]["POSITION"], who)
-    if points.ndim != 2 or points.shape != (whole(accessor, "count", who), 3):
-        raise MeshError(f"{who} announces {accessor['count']} vertices, but Draco decodes an array {points.shape}")
-    return _scaled(points, accessor), faces
+        raise MeshError(f"{who} holds Draco data ({DRACO}) that cannot be decoded ({reason(error)})") from error
+    accessors = {
+        name: document.element("accessors", index, who)
+        for name, index in primitive["attributes"].items()
+        if name in attributes
+    }
+    announced = whole(accessors["POSITION"], "count", who)
+    if count != announced:
+        raise MeshError(f"{who} announces {announced} vertices, but Draco decodes {count}")
+    return {name: _scaled(attributes[name], accessor) for name, accessor in accessors.items()}, faces
 
 
 def _layout(entry: dict[str, Any], name: str) -> tuple[np.dtype, int, int]:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, unquote_to_bytes, urlsplit
 
-from qgeo_filters.errors import MeshError
+from qgeo_filters.errors import MeshError, reason
 from qgeo_filters.io.damage import DAMAGED_FILE
 
 _MAGIC = b"glTF"
@@ -69,7 +69,7 @@ class Document:
             self.buffers[index] = data[:length]
         return self.buffers[index]
 
-    def view(self, index: int, who: str) -> tuple[bytes, int]:
+    def view(self, index: Any, who: str) -> tuple[bytes, int]:
         """Bytes of a buffer view and the step between its items, 0 for none."""
         entry, name = self.element("bufferViews", index, who), f"bufferViews[{index}]"
         owner = entry.get("buffer")
@@ -94,7 +94,7 @@ class Document:
             try:
                 return base64.b64decode(data) if kind.endswith(";base64") else unquote_to_bytes(data)
             except (binascii.Error, ValueError) as error:
-                raise MeshError(f"the data URI of {name} cannot be decoded ({error})") from error
+                raise MeshError(f"the data URI of {name} cannot be decoded ({reason(error)})") from error
         if urlsplit(uri).scheme or urlsplit(uri).netloc:
             raise MeshError(f"{name} lies at {reprlib.repr(uri)}; only files beside this one are read")
         file = self.path.parent / unquote(uri)
@@ -117,7 +117,7 @@ def opened(path: Path) -> Document:
     try:
         tree = json.loads(text.decode("utf-8-sig"))
     except DAMAGED_FILE as error:
-        raise MeshError(f"not a readable glTF file ({error})") from error
+        raise MeshError(f"not a readable glTF file ({reason(error)})") from error
     if not isinstance(tree, dict) or not isinstance(tree.get("asset"), dict):
         raise MeshError("not a readable glTF file (its JSON has no 'asset')")
     version = str(tree["asset"].get("version"))

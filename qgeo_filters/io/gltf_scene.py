@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from qgeo_filters._typing import FloatArray
-from qgeo_filters.errors import MeshError
+from qgeo_filters.errors import MeshError, reason
 from qgeo_filters.io.gltf_document import Document, extensions
 
 _INSTANCES = "EXT_mesh_gpu_instancing"
@@ -93,5 +93,5 @@ def _local_matrix(node: dict[str, Any], name: str) -> FloatArray:
         matrix[:3, :3] *= np.array(node.get("scale", (1, 1, 1)), dtype=np.float64).reshape(3)
         matrix[:3, 3] = np.array(node.get("translation", (0, 0, 0)), dtype=np.float64).reshape(3)
     except (TypeError, ValueError, OverflowError) as error:
-        raise MeshError(f"the placement of {name} cannot be read ({error})") from error
+        raise MeshError(f"the placement of {name} cannot be read ({reason(error)})") from error
     return matrix

@@ -20,7 +20,7 @@ _CODES = {
     "tetra": 10, "hexahedron": 12, "wedge": 13, "pyramid": 14,
 }  # fmt: skip
 _VERTICES, _LINES, _STRIPS, _POLYGONS = 2, 4, 6, 7
-_UNDERWAY = 2 << 30  # bytes of address space for Python and the libraries
+_LIBRARIES = 2 << 30  # bytes of address space
 
 
 def main(kind: str, path: str) -> int:
@@ -42,11 +42,17 @@ def main(kind: str, path: str) -> int:
 
 
 def _limit_memory(size: int) -> None:
+    """Let this process take that many bytes beyond what it has and what the libraries need; on Linux only."""
     try:
         import resource
-    except ImportError:  # Windows has no such limit
+
+        with open("/proc/self/statm") as file:
+            taken = int(file.read().split()[0]) * resource.getpagesize()
+        hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+    except (ImportError, OSError):
         return
-    resource.setrlimit(resource.RLIMIT_AS, (_UNDERWAY + size, resource.RLIM_INFINITY))
+    most = taken + _LIBRARIES + size
+    resource.setrlimit(resource.RLIMIT_AS, (most if hard < 0 else min(most, hard), hard))
 
 
 def _vtk_arrays(path: str) -> dict[str, np.ndarray]:

@@ -6,6 +6,7 @@ VTK and meshio read them, in a process of their own; `grid_process` says why.
 from __future__ import annotations
 
 import io
+import os
 import signal
 import subprocess
 import sys
@@ -13,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from qgeo_filters.errors import MeshError, require_package
+from qgeo_filters.errors import MeshError, reason, require_package
 from qgeo_filters.io import grid_process
 from qgeo_filters.io.cells import cell_triangles
 from qgeo_filters.io.damage import DAMAGED_FILE
@@ -51,6 +52,7 @@ def _arrays(path: Path, kind: str) -> dict[str, np.ndarray]:
             capture_output=True,
             timeout=_SECONDS + path.stat().st_size / _BYTES_A_SECOND,
             check=False,
+            env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
         )
     except subprocess.TimeoutExpired as error:
         raise MeshError(
@@ -59,13 +61,13 @@ def _arrays(path: Path, kind: str) -> dict[str, np.ndarray]:
     if done.returncode:
         lines = done.stderr.decode(errors="replace").strip().splitlines()
         died = done.returncode < 0 or not lines
-        reason = f"its reader ended by {_end(done.returncode)}" if died else lines[-1]
-        raise MeshError(f"not a readable {path.suffix} file ({reason})")
+        why = f"its reader ended by {_end(done.returncode)}" if died else lines[-1]
+        raise MeshError(f"not a readable {path.suffix} file ({why})")
     try:
         with np.load(io.BytesIO(done.stdout), allow_pickle=False) as arrays:
             return dict(arrays)
     except DAMAGED_FILE as error:
-        raise MeshError(f"not a readable {path.suffix} file ({error})") from error
+        raise MeshError(f"not a readable {path.suffix} file ({reason(error)})") from error
 
 
 def _end(code: int) -> str:

@@ -97,6 +97,57 @@ def test_buffers_in_files_beside_it(tmp_path):
         Surface.read(file)
 
 
+# -- attributes -----------------------------------------------------------------------------------------
+
+
+COLORS = np.array([[255, 0, 0, 255], [0, 128, 0, 255], [0, 0, 7, 0], [1, 2, 3, 4]], dtype="u1")
+
+
+@pytest.mark.parametrize("dtype", ["u1", "u2", "f4"])
+def test_colors_and_attributes_of_ones_own(tmp_path, dtype):
+    made = tetrahedron()
+    primitive = made.tree["meshes"][0]["primitives"][0]
+    whole = dtype != "f4"
+    stored = (COLORS / 255 * (np.iinfo(dtype).max if whole else 1)).astype(dtype)
+    primitive["attributes"] |= {
+        "COLOR_0": made.accessor(stored, normalized=whole),
+        "_HEAT": made.accessor(np.arange(4, dtype="f4")),
+        "NORMAL": made.accessor(POINTS),
+    }
+    surface = read(made, tmp_path)
+    assert set(surface.attributes) == {"colors", "HEAT"}
+    np.testing.assert_array_equal(surface.attributes["HEAT"], [0, 1, 2, 3])
+    if dtype == "u1":
+        assert surface.attributes["colors"].dtype == np.uint8
+        np.testing.assert_array_equal(surface.attributes["colors"], COLORS)
+    else:
+        np.testing.assert_allclose(surface.attributes["colors"], COLORS / 255, atol=1e-4)
+
+
+def test_attributes_of_positions_that_are_joined(tmp_path):
+    made = tetrahedron(points=np.vstack([POINTS, POINTS[1:]]))
+    values = np.array([0, 1, 2, 3, 1, 2, 3], dtype="f4")
+    attributes = made.tree["meshes"][0]["primitives"][0]["attributes"]
+    attributes["_A"] = made.accessor(values)
+    np.testing.assert_array_equal(read(made, tmp_path).attributes["A"], [0, 1, 2, 3])
+    attributes["_A"] = made.accessor(values + np.array([0, 0, 0, 0, 1, 1, 0], dtype="f4"))
+    with pytest.warns(UserWarning, match="attribute 'A' differs between positions that were joined to 2 vertices"):
+        np.testing.assert_array_equal(read(made, tmp_path).attributes["A"], [0, 1, 2, 3])
+
+
+def test_attributes_that_some_parts_lack_or_that_are_damaged_are_passed_over_aloud(tmp_path):
+    made = tetrahedron()
+    made.primitive(POINTS + np.float32(3), FACES.astype("u2").ravel())
+    first, second = (primitive["attributes"] for primitive in made.tree["meshes"][0]["primitives"])
+    first["COLOR_0"] = made.accessor(COLORS, normalized=True)
+    with pytest.warns(UserWarning, match="attribute 'colors' passed over, which is not the same for all parts"):
+        assert not read(made, tmp_path).attributes
+    for damaged in (99, made.accessor(COLORS[:3], normalized=True)):
+        first["COLOR_0"] = second["COLOR_0"] = damaged
+        with pytest.warns(UserWarning, match="2 parts of the scene with an attribute 'colors' that cannot be read"):
+            assert not read(made, tmp_path).attributes
+
+
 # -- primitives -----------------------------------------------------------------------------------------
 
 
@@ -247,7 +298,7 @@ def test_draco_is_decoded(tmp_path):
         read(draco(data[:20]), tmp_path)
     made = draco(data)
     made.tree["accessors"][0]["count"] = 5
-    with pytest.raises(MeshError, match=r"announces 5 vertices, but Draco decodes an array \(4, 3\)"):
+    with pytest.raises(MeshError, match="announces 5 vertices, but Draco decodes 4"):
         read(made, tmp_path)
 
 
