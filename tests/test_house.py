@@ -39,7 +39,7 @@ FLOORS: list[list[str]] = [
     ["hosts"],
     ["differential"],
     # geodesics: the metric and what unfolds; methods of distances; paths; what users call; all of it compiled
-    ["geodesics.metric", "geodesics.distance_solver", "geodesics.unfolding"],
+    ["geodesics.metric", "geodesics.distance_solver", "geodesics.flat_corners", "geodesics.unfolding"],
     ["geodesics.dijkstra", "geodesics.dgg", "geodesics.mmp"],
     ["geodesics.path"],
     ["geodesics"],

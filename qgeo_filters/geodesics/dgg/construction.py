@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from qgeo_filters.geodesics.flat_corners import split_at
 from qgeo_filters.jit import njit
 
 # Columns of a window: left and right end of the side, left and right end of the part still seen, and on
@@ -68,7 +69,7 @@ def seen_part(lx, ly, dx, dy, span, left_ray, right_ray, p, q):  # type: ignore[
 
 
 @njit(error_model="numpy")
-def seed_one_ring(start, length, apex_x, apex_y, twin, corners, epsilon, queue, sides, bound, direct, found):  # type: ignore[no-untyped-def]  # fmt: skip
+def seed_one_ring(start, length, apex_x, apex_y, twin, corners, views, epsilon, queue, sides, bound, direct, found):  # type: ignore[no-untyped-def]  # fmt: skip
     """Edges to the neighbours of the vertex of these corners, and its first windows; how many of either."""
     count = tail = 0
     for i in range(2 * len(corners)):
@@ -95,11 +96,30 @@ def seed_one_ring(start, length, apex_x, apex_y, twin, corners, epsilon, queue, 
             queue[tail, 3] = queue[tail, 7] = queue[tail, 12] = 0.0
             queue[tail, 10], queue[tail, 13] = bound[b], bound[a]
             tail += 1
+    for view in views:
+        h = view["half"]
+        sx, sy, c = view["sx"], view["sy"], start[h - h % 3 + (h + 2) % 3]
+        if view["lo"] <= split_at(sx, sy, apex_x[h], apex_y[h]) <= view["hi"]:
+            distance = np.hypot(apex_x[h] - sx, apex_y[h] + sy)
+            if direct[c] == np.inf:
+                found[count] = c
+                count += 1
+            if distance < direct[c]:
+                direct[c], bound[c] = distance, (1.0 - epsilon) * distance if distance > 0.0 else np.inf
+        if tail < len(sides):  # the vertex lies below the side, the start of that on its left
+            left, right = -sx, length[h] - sx
+            sides[tail] = 2 * h + 1
+            queue[tail, 0] = queue[tail, 8] = left
+            queue[tail, 2] = queue[tail, 11] = right
+            queue[tail, 4], queue[tail, 6] = view["lo"] - sx, view["hi"] - sx
+            queue[tail, 1] = queue[tail, 3] = queue[tail, 5] = queue[tail, 7] = queue[tail, 9] = queue[tail, 12] = sy
+            queue[tail, 10], queue[tail, 13] = bound[start[h]], bound[start[h - h % 3 + (h + 1) % 3]]
+            tail += 1
     return count, tail
 
 
 @njit(error_model="numpy")
-def direct_geodesics(start, length, apex_x, apex_y, twin, corners, epsilon, limit, queue, sides, bound, direct, found, bounded):  # type: ignore[no-untyped-def]  # noqa: E501  # fmt: skip
+def direct_geodesics(start, length, apex_x, apex_y, twin, corners, views, epsilon, limit, queue, sides, bound, direct, found, bounded):  # type: ignore[no-untyped-def]  # noqa: E501  # fmt: skip
     """Edges of the discrete geodesic graph out of the vertex of these corners.
 
     Returns
@@ -111,7 +131,7 @@ def direct_geodesics(start, length, apex_x, apex_y, twin, corners, epsilon, limi
     whether the queue was long enough
     """
     count, tail = seed_one_ring(
-        start, length, apex_x, apex_y, twin, corners, epsilon, queue, sides, bound, direct, found
+        start, length, apex_x, apex_y, twin, corners, views, epsilon, queue, sides, bound, direct, found
     )
     head = others = 0
     mask = len(sides) - 1  # the queue is a ring, its size a power of two
@@ -199,7 +219,7 @@ def direct_geodesics(start, length, apex_x, apex_y, twin, corners, epsilon, limi
 
 
 @njit()
-def direct_geodesics_from(start, length, apex_x, apex_y, twin, corner_start, corners, vertices, epsilon, limit):  # type: ignore[no-untyped-def]  # fmt: skip
+def direct_geodesics_from(start, length, apex_x, apex_y, twin, corner_start, corners, view_start, views, vertices, epsilon, limit):  # type: ignore[no-untyped-def]  # noqa: E501  # fmt: skip
     """Edges of the graph out of some vertices: how many each, their ends and lengths."""
     n = len(corner_start) - 1
     bound, direct = np.full(n, np.inf), np.full(n, np.inf)
@@ -213,7 +233,7 @@ def direct_geodesics_from(start, length, apex_x, apex_y, twin, corner_start, cor
         bound[v] = direct[v] = 0.0
         count, others, complete = direct_geodesics(
             start, length, apex_x, apex_y, twin, corners[corner_start[v] : corner_start[v + 1]],
-            epsilon, limit, queue, sides, bound, direct, found, bounded,
+            views[view_start[v] : view_start[v + 1]], epsilon, limit, queue, sides, bound, direct, found, bounded,
         )  # fmt: skip
         if total + count > len(ends):
             more, longer = np.empty(2 * (total + count), np.int32), np.empty(2 * (total + count))

@@ -67,7 +67,8 @@ def exact_distances(
     Notes
     -----
     Ordered propagation of windows (Mitchell, Mount, Papadimitriou 1987); see `window_propagation`. A path that
-    merely touches two faces' common vertex may cross there.
+    merely touches two faces' common vertex may cross there. Triangles without area, or needles, are faces like any
+    other; sides that cannot be told from those of three points on a line, within rounding, lie on one.
     """
     chosen = checked_indices(sources, mesh.n_vertices, "sources")
     return distances_from(WindowPropagation(mesh), chosen, workers, progress)

@@ -26,11 +26,11 @@ WINDOW = np.dtype(
 )  # fmt: skip
 LIST = np.dtype([("first", "i8"), ("count", "i8")])
 
-# Two distances closer than this, relatively, are a tie, which the window that came first keeps. Far above
-# the rounding of a strip of a thousand triangles, far below the accuracy that is promised.
+# Distances closer than this, relatively, are a tie, which the window that came first keeps. Far above the
+# rounding of a strip of a thousand triangles, far below the accuracy that is promised.
 TIE = 1e-13
-# Intervals narrower than this, relative to their edge, are given to a neighbour: a path that passes a
-# point at such a distance instead of through it is longer by its square only.
+# Intervals narrower than this, relative to their edge, go to a neighbour: to pass a point at such a distance
+# instead of through it makes a path longer by its square only.
 SLIVER = 1e-12
 
 
@@ -38,7 +38,7 @@ class Pool(NamedTuple):
     """The windows of all half-edges: rows of one array, linked into a list for each half-edge."""
 
     windows: Records  # (capacity,) WINDOW; ``next`` is -1 at the end of a list, and links the rows given back too
-    lists: Records  # (half-edges,) LIST; ``first`` is -1 where the list is empty
+    lists: Records  # (half-edges + 1,) LIST, ``first`` -1 where the list is empty; the last one holds the spare window
     free: Records  # (1,) LIST of the rows given back
     used: npt.NDArray[np.int64]  # (1,) rows that were ever in use; the rest of the array is untouched memory
 
@@ -148,13 +148,29 @@ def _contest(
 
 @inner
 def new_pool(n_halfedges: int, capacity: int) -> Pool:
-    """An empty pool."""
-    lists = np.empty(n_halfedges, dtype=LIST)
+    """A pool that holds the spare window only, in row 0."""
+    lists = np.empty(n_halfedges + 1, dtype=LIST)
     for h in range(n_halfedges):
         lists[h]["first"], lists[h]["count"] = -1, 0
+    lists[-1]["first"], lists[-1]["count"] = 0, 1
     free = np.empty(1, dtype=LIST)
     free[0]["first"], free[0]["count"] = -1, 0
-    return Pool(np.empty(capacity, dtype=WINDOW), lists, free, np.zeros(1, dtype=np.int64))
+    windows = np.empty(capacity, dtype=WINDOW)
+    windows[0]["next"], windows[0]["pending"] = -1, 0
+    return Pool(windows, lists, free, np.ones(1, dtype=np.int64))
+
+
+@kernel
+def spare_list(pool: Pool) -> int:
+    """Number of the list of the spare window."""
+    return len(pool.lists) - 1
+
+
+@kernel
+def set_spare_window(pool: Pool, lo: float, hi: float, sx: float, sy: float, sigma: float) -> None:
+    """Make the spare window, which is on no half-edge, this one, and pending."""
+    w = pool.windows[0]
+    w["lo"], w["hi"], w["sx"], w["sy"], w["sigma"], w["pending"] = lo, hi, sx, sy, sigma, 1
 
 
 @inner

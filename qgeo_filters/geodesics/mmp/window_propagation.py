@@ -7,7 +7,8 @@ triangle-oriented wavefront propagation", SIGGRAPH 2016), and with windows dropp
 vertex beats (Xin and Wang, "Improving Chen and Han's algorithm on the discrete geodesic problem", TOG 2009).
 
 Windows live on directed half-edges: those of half-edge h are about to cross face ``h // 3``. The order of
-work decides the time only: whatever arrives late and nearer is carried on again.
+work decides the time only: whatever arrives late and nearer is carried on again. A vertex that lies on a side
+that it faces is the source of windows beyond that, too: see `flat_corners`.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from qgeo_filters._typing import FloatArray
+from qgeo_filters.geodesics.flat_corners import carried, split_at
 from qgeo_filters.geodesics.mmp.indexed_heap import IndexedHeap, heap_pop, heap_push, new_heap
 from qgeo_filters.geodesics.mmp.lower_envelope import (
     TIE,
@@ -24,6 +26,8 @@ from qgeo_filters.geodesics.mmp.lower_envelope import (
     insert_window,
     insertion_room,
     new_pool,
+    set_spare_window,
+    spare_list,
 )
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh
 from qgeo_filters.jit import NONE, kernel, njit
@@ -49,26 +53,6 @@ def apex_distance(near: float, split: float, sx: float, sy: float, sigma: float,
     if near == split:
         return distance_at(cx, sx, sy + cy, sigma)
     return distance_at(near, sx, sy, sigma) + np.sqrt((cx - near) * (cx - near) + cy * cy)
-
-
-@kernel
-def _carried(
-    near: float, far: float, sx: float, sy: float, split: float, cx: float, cy: float, side: float
-) -> tuple[float, float, float, float]:
-    """Window [near, far] of the x-axis as it falls on the side from the origin to the apex (cx, cy).
-
-    The source is at (sx, -sy); its ray through ``split`` meets the apex. Returned are the ends and the source
-    in the frame of the side.
-    """
-    ux, uy = cx / side, cy / side
-    lo, hi = 0.0, side
-    if near > 0.0:
-        along, across = sy * near, ux * sy - uy * (near - sx)
-        lo = along / across if along < side * across else side
-    if far < split:
-        along, across = sy * far, ux * sy - uy * (far - sx)
-        hi = along / across if along < side * across else side
-    return lo, hi, sx * ux - sy * uy, max(sx * uy + sy * ux, 0.0)
 
 
 @kernel
@@ -129,12 +113,19 @@ def _start_from(v: int, distance: FloatArray, queue: IndexedHeap, pool: Pool, me
         nearest, _ = insert_window(pool, target, length, 0.0, length, sx, side["cy"], sigma, NONE)
         if nearest < np.inf:
             heap_push(queue, target, nearest)
+    for view in mesh.views[mesh.view_start[v] : mesh.view_start[v + 1]]:
+        set_spare_window(pool, view["lo"], view["hi"], view["sx"], view["sy"], sigma)
+        if not _cross_face(view["half"], spare_list(pool), distance, queue, pool, mesh):
+            heap_push(queue, len(mesh.sides) + v, sigma)
+            return False
     return True
 
 
 @kernel
-def _cross_face(h: int, distance: FloatArray, queue: IndexedHeap, pool: Pool, mesh: UnfoldedMesh) -> bool:
-    """Carry the pending windows of half-edge h over its face.
+def _cross_face(
+    h: int, windows_of: int, distance: FloatArray, queue: IndexedHeap, pool: Pool, mesh: UnfoldedMesh
+) -> bool:
+    """Carry the pending windows of one list, that of half-edge h or the spare one, over the face of h.
 
     False, with h back in the queue, where the pool must grow first.
     """
@@ -147,7 +138,7 @@ def _cross_face(h: int, distance: FloatArray, queue: IndexedHeap, pool: Pool, me
     left_hint = right_hint = -1
     left_nearest = right_nearest = np.inf
     complete = True
-    row = pool.lists[h]["first"]
+    row = pool.lists[windows_of]["first"]
     while row >= 0:
         w = pool.windows[row]
         row = w["next"]
@@ -160,21 +151,21 @@ def _cross_face(h: int, distance: FloatArray, queue: IndexedHeap, pool: Pool, me
             break
         w["pending"] = 0
         lo, hi, sx, sy, sigma = w["lo"], w["hi"], w["sx"], w["sy"], w["sigma"]
-        split = sx + sy * ((cx - sx) / (sy + cy)) if sy + cy > 0.0 else sx
+        split = split_at(sx, sy, cx, cy)
         near = min(max(split, lo), hi)
         if abs(near - split) < REACH * length or distance[c] == np.inf:
             value = apex_distance(near, split, sx, sy, sigma, cx, cy)
             if value < distance[c]:
                 _note(c, value, distance, queue, mesh)
         if lo < split and left_target >= 0 and left > 0.0:
-            p, q, x, y = _carried(lo, hi, sx, sy, split, cx, cy, left)
+            p, q, x, y = carried(lo, hi, sx, sy, split, cx, cy, left)
             if not _is_beaten(p, q, x, y, sigma, length, cx, cy, left, distance[a], distance[b], distance[c]):
                 if back["aligned"]:  # the twin starts at the apex
                     p, q, x = left - q, left - p, left - x
                 nearest, left_hint = insert_window(pool, left_target, left, p, q, x, y, sigma, left_hint)
                 left_nearest = min(left_nearest, nearest)
         if hi > split and right_target >= 0 and right > 0.0:  # the same, seen from the other end
-            p, q, x, y = _carried(length - hi, length - lo, length - sx, sy, length - split, from_head, cy, right)
+            p, q, x, y = carried(length - hi, length - lo, length - sx, sy, length - split, from_head, cy, right)
             if not _is_beaten(p, q, x, y, sigma, length, from_head, cy, right, distance[b], distance[a], distance[c]):
                 if not ahead["aligned"]:
                     p, q, x = right - q, right - p, right - x
@@ -198,7 +189,7 @@ def _run(target: int, distance: FloatArray, queue: IndexedHeap, pool: Pool, mesh
         if item < 0 or (target >= 0 and queue.key[item] > distance[target]):
             return True
         if item < n_halfedges:
-            complete = _cross_face(item, distance, queue, pool, mesh)
+            complete = _cross_face(item, item, distance, queue, pool, mesh)
         else:
             complete = _start_from(item - n_halfedges, distance, queue, pool, mesh)
         if not complete:

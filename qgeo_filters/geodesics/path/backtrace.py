@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.geodesics.flat_corners import split_at
 from qgeo_filters.geodesics.mmp.indexed_heap import IndexedHeap, heap_pop, heap_push, new_heap
 from qgeo_filters.geodesics.mmp.lower_envelope import Pool
 from qgeo_filters.geodesics.mmp.window_propagation import apex_distance, propagate
@@ -139,23 +140,37 @@ def _best_edge(
 
 
 @kernel
-def _best_window(v: int, pool: Pool, mesh: UnfoldedMesh) -> tuple[float, int, int]:
-    """Distance of v by way of the windows on the sides that it faces, the best one's half-edge and row."""
-    best, half, best_row = np.inf, -1, -1
+def _best_window(
+    v: int, distance: FloatArray, pool: Pool, mesh: UnfoldedMesh
+) -> tuple[float, int, float, float, float]:
+    """Distance of v by way of what it faces, the half-edge that this is seen through, and the pseudo-source there.
+
+    That is a window on one of the sides that v faces, or a vertex that lies on such a side and sees v through it.
+    """
+    best, half, best_x, best_y, best_sigma = np.inf, -1, 0.0, 0.0, 0.0
     for c in mesh.corners[mesh.corner_start[v] : mesh.corner_start[v + 1]]:
         h = side_opposite(c // 3, v, mesh)
         cx, cy = mesh.sides[h]["cx"], mesh.sides[h]["cy"]
         row = pool.lists[h]["first"]
         while row >= 0:
             w = pool.windows[row]
-            depth = w["sy"] + cy
-            split = w["sx"] + w["sy"] * ((cx - w["sx"]) / depth) if depth > 0.0 else w["sx"]
+            split = split_at(w["sx"], w["sy"], cx, cy)
             near = min(max(split, w["lo"]), w["hi"])
             value = apex_distance(near, split, w["sx"], w["sy"], w["sigma"], cx, cy)
             if value < best:
-                best, half, best_row = value, h, row
+                best, half, best_x, best_y, best_sigma = value, h, w["sx"], w["sy"], w["sigma"]
             row = w["next"]
-    return best, half, best_row
+        for k in range(len(mesh.views)):
+            view = mesh.views[k]
+            if view["half"] != h:
+                continue
+            u = np.searchsorted(mesh.view_start, k, side="right") - 1
+            split = split_at(view["sx"], view["sy"], cx, cy)
+            near = min(max(split, view["lo"]), view["hi"])
+            value = apex_distance(near, split, view["sx"], view["sy"], distance[u], cx, cy)
+            if value < best:
+                best, half, best_x, best_y, best_sigma = value, h, view["sx"], view["sy"], distance[u]
+    return best, half, best_x, best_y, best_sigma
 
 
 @kernel
@@ -176,18 +191,16 @@ def _trace(
     while v != end:
         passed[v] = True  # vertices in one place are equally far: never go back
         by_edge, w = _best_edge(v, end, True, distance, passed, mesh)
-        by_window, h, row = _best_window(v, pool, mesh)
+        by_window, h, sx, sy, sigma = _best_window(v, distance, pool, mesh)
         if by_window < by_edge * (1.0 - ARRIVED * ARRIVED):
             if face >= 0:
                 m, face = turn_at(v, face, h // 3, NONE, sleeve, m, mesh)
-            window, side = pool.windows[row], mesh.sides[h]
+            side = mesh.sides[h]
             flip = side["aligned"] == 0
             qx = side["from_head"] if flip else side["cx"]
-            sx = side["length"] - window["sx"] if flip else window["sx"]
+            sx = side["length"] - sx if flip else sx
             kept = m
-            m, reached, last = _follow_ray(
-                side["twin"], qx, -side["cy"], sx, window["sy"], window["sigma"], end, distance, sleeve, m, mesh
-            )
+            m, reached, last = _follow_ray(side["twin"], qx, -side["cy"], sx, sy, sigma, end, distance, sleeve, m, mesh)
             if reached >= 0 and distance[reached] < distance[v]:
                 v, face = reached, last
                 continue

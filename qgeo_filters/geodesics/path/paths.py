@@ -197,7 +197,8 @@ class PathFinder:
         self.surface = surface
         self.exact = initial == "exact"
         self.tolerance = tolerance
-        self.mesh: UnfoldedMesh = unfolded(metric.intrinsic("a geodesic path"))
+        # A string is pulled tight among triangles in general position: they keep the height that rounding gives them.
+        self.mesh: UnfoldedMesh = unfolded(metric.intrinsic("a geodesic path"), rounding=0.0)
 
     def __call__(self, start: int, end: int) -> GeodesicPath:
         if start == end:
