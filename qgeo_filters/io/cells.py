@@ -42,7 +42,9 @@ def cell_triangles(
     MeshError
         Cells that are no surface; polygons or solid cells and not `repair`.
     """
-    if len(kinds) != len(sizes) or (sizes < 0).any() or sizes.sum() != len(corners):
+    if (sizes < 0).any():
+        raise MeshError(f"cell {np.argmax(sizes < 0)} has {sizes[sizes < 0][0]} corners")
+    if len(kinds) != len(sizes) or sizes.sum() != len(corners):
         raise MeshError(f"{len(kinds)} cells have {sizes.sum()} corners, but {len(corners)} are listed")
     kinds, sizes, corners = _without_voxels(kinds, sizes, corners)
     known = np.isin(kinds, [_EMPTY, *_POINTS, *_LINES, _STRIP, *_POLYGONS, *_SIDES])

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import sys
 from typing import Any
 
@@ -71,10 +72,10 @@ def _vtk_arrays(path: str) -> dict[str, np.ndarray]:
             getattr(reader, f"ReadAll{what}On")()
     reader.Update()
     data = reader.GetOutput()
-    complaint = said.GetOutput()
+    complaint = _text(said.GetOutput())
     if "ERR" in complaint.upper() or reader.GetErrorCode() or data is None:
-        lines = [line.rpartition("):")[2].strip() for line in complaint.splitlines() if line.strip()]
-        raise ValueError(lines[-1] if lines else "VTK cannot read it")
+        reasons = re.findall(r"\(0x[0-9a-f]+\): *(\S.*)", complaint)  # behind the object's name and address
+        raise ValueError(reasons[0] if reasons else "VTK cannot read it")
     if data.IsA("vtkPolyData"):
         kinds = (
             (data.GetVerts(), _VERTICES),
@@ -97,7 +98,12 @@ def _vtk_arrays(path: str) -> dict[str, np.ndarray]:
     arrays["points"] = vtk_to_numpy(points.GetData()) if points else np.empty((0, 3))
     values = data.GetPointData()
     numeric = [values.GetArray(i) for i in range(values.GetNumberOfArrays()) if values.GetArray(i) is not None]
-    return arrays | _named_arrays([(array.GetName() or "", vtk_to_numpy(array)) for array in numeric])
+    return arrays | _named_arrays([(_text(array.GetName() or ""), vtk_to_numpy(array)) for array in numeric])
+
+
+def _text(value: str | bytes) -> str:
+    """What VTK says; it gives bytes where they are no UTF-8."""
+    return value.decode(errors="replace") if isinstance(value, bytes) else value
 
 
 def _gmsh_arrays(path: str) -> dict[str, np.ndarray]:

@@ -88,5 +88,7 @@ def test_cells_that_are_not_read_are_named():
         triangles(CUBE, [(5, [0, 1, 2]), (22, [0, 1, 2, 3, 4, 5])])
     with pytest.raises(MeshError, match="1 cells have 4 corners, but 3 are listed"):
         cell_triangles(CUBE, np.array([5]), np.array([4]), np.array([0, 1, 2]), False)
+    with pytest.raises(MeshError, match="cell 1 has -1 corners"):
+        cell_triangles(CUBE, np.array([5, 5]), np.array([4, -1]), np.array([0, 1, 2]), False)
     with pytest.raises(MeshError, match="tetrahedra of the file have 3 corners"):
         triangles(CUBE, [(10, [0, 1, 2])], repair=True)

@@ -119,6 +119,18 @@ DAMAGED = {
 }
 
 
+def test_vtk_gives_its_reason_and_bytes_that_are_no_text_do_no_harm(tmp_path):
+    pytest.importorskip("vtkmodules")
+    file = tmp_path / "a.vtk"
+    file.write_bytes(VTK_HEAD.encode() + b"POINTS 3 float\n0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 2\n\xff\xfe 3\n")
+    with pytest.raises(MeshError, match=r"not a readable .vtk file \(Unrecognized keyword"):
+        Surface.read(file)
+    head = "POINTS 3 float\n0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 2\nPOINT_DATA 3\nSCALARS "
+    file.write_bytes((VTK_HEAD + head).encode() + b"\xff\xfe float\nLOOKUP_TABLE default\n1 2 3\n")
+    (values,) = Surface.read(file).attributes.values()
+    np.testing.assert_array_equal(values, [1, 2, 3])
+
+
 @pytest.mark.parametrize("name", DAMAGED)
 def test_damage_is_said_in_a_line_and_nothing_reaches_the_terminal(tmp_path, name, capfd):
     pytest.importorskip("meshio" if name.endswith(".msh") else "vtkmodules")
