@@ -91,11 +91,11 @@ def _require(condition: object, message: str) -> None:
 def _parameters(filter: Filter, surface: Surface) -> None:
     kind = type(filter).__name__
     params = filter.get_params()
-    for name, parameter in inspect.signature(type(filter)).parameters.items():
+    for position, (name, parameter) in enumerate(inspect.signature(type(filter)).parameters.items()):
         _require(parameter.default is not inspect.Parameter.empty, f"{kind}: parameter {name} has no default")
         _require(
-            parameter.kind is inspect.Parameter.KEYWORD_ONLY or isinstance(filter, Pipeline),
-            f"{kind}: parameter {name} can be given by position; put * before it",
+            parameter.kind is inspect.Parameter.KEYWORD_ONLY or position == 0 or isinstance(filter, Pipeline),
+            f"{kind}: parameter {name} can be given by position; put * behind the first, which says what it is about",
         )
     extra = set(vars(filter)) - set(params)
     _require(not extra, f"{kind}: the constructor sets more than its parameters: {sorted(extra)}")

@@ -45,8 +45,8 @@ class Paint(Filter):
 
     def __init__(
         self,
-        *,
         attribute: str = "qgeo_scalar",
+        *,
         component: int | None = None,
         colormap: str = "viridis",
         vmin: float | None = None,

@@ -43,10 +43,11 @@ def test_every_registered_filter_is_public_and_its_example_is_of_its_kind() -> N
         assert type(example.steps[-1] if isinstance(example, qg.Pipeline) else example) is cls
 
 
-def test_parameters_are_given_by_name() -> None:
+def test_parameters_are_given_by_name_but_what_a_filter_is_about() -> None:
+    assert qg.Paint("height").get_params() == qg.Paint(attribute="height").get_params()
     for cls in registered_filters().values():
         with pytest.raises(TypeError, match=f"{cls.__name__}.*positional argument"):
-            cls(3)
+            cls("height", 3) if cls is qg.Paint else cls(3)
 
 
 @pytest.mark.parametrize("workers", [0, -1, 1.5])
@@ -96,15 +97,16 @@ def test_an_assertion_of_the_suite_is_raised_under_python_o() -> None:
 import qgeo_filters as qg
 from qgeo_filters.testing import check_filter
 class Shy(qg.Filter):
-    def __init__(self, radius=1):
-        self.radius = radius
+    def __init__(self, radius=1, steps=2):
+        self.radius, self.steps = radius, steps
 try:
     check_filter(Shy())
 except AssertionError as error:
     print(error)
 """
     done = subprocess.run([sys.executable, "-O", "-c", code], capture_output=True, text=True)
-    assert done.stdout == "Shy: parameter radius can be given by position; put * before it\n", done.stderr
+    expected = "Shy: parameter steps can be given by position; put * behind the first, which says what it is about\n"
+    assert done.stdout == expected, done.stderr
 
 
 class _Broken(Filter):

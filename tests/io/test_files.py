@@ -202,7 +202,7 @@ BROKEN = {
     "word.stl": ("solid\nvertex 0 0 x\n", "line 2: 'x' is no number"),
     "nothing.glb": ("", "not a readable glTF file"),
     "nothing.mat": ("", "not a readable MATLAB file"),
-    "nothing.ply": ("", "not a readable PLY file"),
+    "nothing.ply": ("", "not a PLY file"),
     "alone.vert": ("0 0 0\n", "alone.tri is missing beside it"),
     "alone.tri": ("1 2 3\n", "alone.vert is missing beside it"),
     "mesh.xyz": ("", r"unknown suffix '.xyz'; read are .ply, .off"),
