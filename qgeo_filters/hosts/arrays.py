@@ -47,11 +47,14 @@ def is_pair(obj: object) -> TypeGuard[tuple[Any, Any] | list[Any]]:
 
 
 def _split(vertices: Any, faces: Any, repair: bool) -> RawMesh:
+    """Arrays of a pair; with ``repair`` the faces may have any numbers of corners, also different ones."""
     try:
         corners = np.asarray(faces)
-    except ValueError:  # rows of different lengths: whoever checks the arrays says so
-        return RawMesh(vertices, faces)
-    if repair and corners.ndim == 2 and corners.shape[1] > 3:
-        corners, notes = triangulated(vertices, Polygons.of_rows(corners), repair)
+    except ValueError:  # rows of different lengths
+        if not repair:
+            return RawMesh(vertices, faces)  # whoever checks the arrays says so
+        corners = None
+    if corners is None or (repair and corners.ndim == 2 and corners.shape[1] > 3):
+        corners, notes = triangulated(vertices, Polygons.of_rows(faces if corners is None else corners), repair)
         return RawMesh(vertices, corners, notes=notes)
     return RawMesh(vertices, corners)

@@ -119,7 +119,7 @@ def _face_positions(
     """Where each face begins in the stream, and where the last one ends; fewer if they do not fit."""
     lines = iter(rows.tolist())
     next_line = 0
-    stream = memoryview(values)
+    stream = values.data
     for _ in range(n_faces):
         size = stream[position] if position < len(values) else -1.0
         if not 0 <= size < len(values) - position or size != int(size):

@@ -45,14 +45,19 @@ class Polygons:
         """Polygons of m index sequences, or of an array (m, c)."""
         if isinstance(rows, np.ndarray) and rows.ndim == 2:
             return cls.of_flat(rows.ravel(), np.full(len(rows), rows.shape[1]))
-        sizes = np.fromiter(map(len, rows), dtype=np.int64, count=len(rows))
-        flat = np.concatenate([np.asarray(row) for row in rows]) if len(rows) else np.empty(0)
+        try:
+            sizes = np.fromiter(map(len, rows), dtype=np.int64, count=len(rows))
+            flat = np.concatenate([np.asarray(row) for row in rows if len(row)] or [np.empty(0, dtype=np.int64)])
+        except (TypeError, ValueError) as error:
+            raise MeshError(f"faces must be rows of vertex indices: {error}") from error
         return cls.of_flat(flat, sizes)
 
     @classmethod
     def of_flat(cls, corners: np.ndarray, sizes: npt.ArrayLike) -> Polygons:
         """Polygons of flat arrays of any numeric type; `MeshError` where a corner is no whole number."""
         sizes = np.asarray(sizes, dtype=np.int64)
+        if corners.dtype.kind not in "iuf":
+            raise MeshError(f"faces must hold whole numbers, got dtype {corners.dtype}")
         if corners.dtype.kind == "f":
             broken = np.flatnonzero(~whole(corners))
             if broken.size:

@@ -176,6 +176,18 @@ def test_concave_quadrilaterals_of_a_pair():
         assert surface.area == pytest.approx(abs(shoelace(ARROWHEAD)), rel=1e-12)
 
 
+def test_faces_of_different_sizes_of_a_pair():
+    points, _ = placed(ARROW)
+    rows = [[0, 1, 3], [1, 2, 3], [3, 4, 0], [0, 1]]
+    assert as_surface((points, rows), repair=True).area == pytest.approx(10, rel=1e-12)
+    assert as_surface((points, [[0, 1, 2, 3], [0, 3, 4]]), repair=True).area == pytest.approx(10, rel=1e-12)
+    with pytest.raises(MeshError, match="faces must be whole numbers in rows of three"):
+        as_surface((points, rows))
+    for wrong in ([[0, 1, 2, 3], 5], [[0, 1, 2], [0, "x"]], [[0, 1, 2], [[0, 1], [1, 2]]], [["a", "b", "c", "d"]]):
+        with pytest.raises(MeshError, match="faces must"):
+            as_surface((points, wrong), repair=True)
+
+
 @pytest.mark.parametrize("suffix", ["off", "obj"])
 def test_concave_polygons_of_files(tmp_path, suffix):
     file = tmp_path / f"arrow.{suffix}"
