@@ -15,6 +15,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -52,7 +53,7 @@ def columns_of_attributes(
         table = _stored(name, values)
         properties = _property_names(name, values, table.shape[1], position, set(columns))
         columns.update(zip(properties, table.T, strict=True))
-        entry = {
+        entry: dict[str, Any] = {
             "name": name,
             "dtype": values.dtype.str,
             "shape": values.shape[1:],

@@ -212,10 +212,10 @@ def _any_rows(element: Element, data: _Bytes | _Words, start: int) -> tuple[Inde
         if end > data.size:
             raise MeshError(f"the file ends within row {row} of {element.n_rows} of {element.name!r}")
     for p in element.properties:
-        first, length = np.array(places[p.name], dtype=np.int64), np.array(sizes[p.name], dtype=np.int64)
-        within = np.arange(length.sum()) - np.repeat(np.cumsum(length) - length, length)
-        values = data.gathered(np.repeat(first, length) + within * data.width(p.type), p.type)
-        element.columns[p.name] = Lists(values, length) if p.count else values
+        first, lengths = np.array(places[p.name], dtype=np.int64), np.array(sizes[p.name], dtype=np.int64)
+        within = np.arange(lengths.sum()) - np.repeat(np.cumsum(lengths) - lengths, lengths)
+        values = data.gathered(np.repeat(first, lengths) + within * data.width(p.type), p.type)
+        element.columns[p.name] = Lists(values, lengths) if p.count else values
     return np.array(rows, dtype=np.int64), end
 
 
