@@ -115,7 +115,7 @@ def opened(path: Path) -> Document:
     content = path.read_bytes()
     text, binary = _chunks(content) if content[:4] == _MAGIC else (content, b"")
     try:
-        tree = json.loads(text.decode("utf-8-sig"))
+        tree = json.loads(text.rstrip(b"\0").decode("utf-8-sig"))  # the chunk may be filled up with zeros
     except DAMAGED_FILE as error:
         raise MeshError(f"not a readable glTF file ({reason(error)})") from error
     if not isinstance(tree, dict) or not isinstance(tree.get("asset"), dict):

@@ -467,6 +467,23 @@ def test_a_byte_order_mark_and_the_other_suffix_do_not_matter(tmp_path):
     assert Surface.read(file).n_faces == 4
 
 
+def test_chunks_filled_up_with_zeros_and_chunks_of_others(tmp_path):
+    made = tetrahedron()
+    text = json.dumps({**made.tree, "buffers": [{"byteLength": len(made.binary)}]}).encode()
+    content = glb((b"JSON", text + bytes(-len(text) % 4 + 4)), (b"MINE", bytes(8)), (b"BIN\0", made.binary))
+    (tmp_path / "a.glb").write_bytes(content)
+    assert Surface.read(tmp_path / "a.glb").n_faces == 4
+
+
+def test_parts_without_vertices(tmp_path):
+    made = GltfFile()
+    made.primitive(POINTS[:0])
+    with pytest.raises(MeshError, match=r"a.glb: the mesh has no vertices"):
+        read(made, tmp_path)
+    made.primitive(POINTS, FACES.astype("u2").ravel())
+    np.testing.assert_array_equal(read(made, tmp_path).faces, FACES)
+
+
 def test_a_scene_does_not_grow_far_beyond_its_file(tmp_path):
     v, f = icosphere(3)
     made = GltfFile()
