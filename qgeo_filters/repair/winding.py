@@ -14,6 +14,7 @@ import numpy as np
 
 from qgeo_filters import connectivity
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray
+from qgeo_filters.repair.equal_rows import occurring
 from qgeo_filters.triangle_geometry import face_crosses, unit_normals
 
 Winding: TypeAlias = Literal["outward", "inward", "mixed", "undetermined"]
@@ -48,9 +49,11 @@ def winding(vertices: FloatArray, faces: IntArray) -> Winding:
 
 def _outwardness(vertices: FloatArray, faces: IntArray, piece: IntArray) -> FloatArray:
     """Mean outwardness over the area of each piece, -1 to 1, the largest pieces first; those of no area left out."""
-    used = vertices[faces]
-    centre, extent = used.mean(axis=(0, 1)), float(np.ptp(used.reshape(-1, 3), axis=0).max()) or 1.0
-    unit = (vertices - centre) / extent  # libigl's tree compares with absolute tolerances
+    used = occurring(faces, len(vertices))  # the others may be anything
+    number = np.zeros(len(vertices), dtype=faces.dtype)
+    number[used] = np.arange(len(used))
+    unit, faces = vertices[used], number[faces]
+    unit = (unit - unit.mean(axis=0)) / (float(np.ptp(unit, axis=0).max()) or 1.0)  # libigl's tolerances are absolute
     crosses = face_crosses(unit, faces)
     area = np.bincount(piece, 0.5 * np.linalg.norm(crosses, axis=1))
     largest = np.argsort(-area, kind="stable")[:_MOST_PIECES]
