@@ -26,6 +26,7 @@ FLOORS: list[list[str]] = [
         "caching",
         "cholesky",
         "connectivity",
+        "equal_rows",
         "fingerprint",
         "jit",
         "parallel",

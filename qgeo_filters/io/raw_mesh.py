@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters.equal_rows import equal_rows
+
 
 @dataclass(frozen=True, eq=False)
 class RawMesh:
@@ -31,16 +33,11 @@ class RawMesh:
 def weld(corners: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]:
     """Distinct points in order of first appearance, shape (n, 3), and the point of each row."""
     points = corners + 0.0  # -0.0 is 0.0
-    order = np.lexsort(points.T)  # three times as fast as np.unique of rows
-    is_new = np.ones(len(order), dtype=bool)
-    is_new[1:] = (points[order[1:]] != points[order[:-1]]).any(axis=1)
-    first = order[is_new]
+    number, first = equal_rows(points)
     appearance = np.argsort(first)
     rank = np.empty_like(appearance)
     rank[appearance] = np.arange(len(appearance))
-    index = np.empty_like(order)
-    index[order] = rank[np.cumsum(is_new) - 1]
-    return points[first[appearance]], index
+    return points[first[appearance]], rank[number]
 
 
 def counted(count: int, noun: str, plural: str | None = None) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 
 from qgeo_filters import connectivity
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray
-from qgeo_filters.repair.equal_rows import equal_rows, occurring
+from qgeo_filters.equal_rows import equal_rows, occurring
 
 
 def without_copies(vertices: FloatArray, faces: IntArray) -> tuple[IntArray, IndexArray, int]:

@@ -13,10 +13,10 @@ from scipy.sparse.csgraph import connected_components
 
 from qgeo_filters import connectivity
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray
+from qgeo_filters.equal_rows import equal_rows, occurring
 from qgeo_filters.errors import MeshError
 from qgeo_filters.io.raw_mesh import RawMesh, counted
 from qgeo_filters.repair.copies import without_copies
-from qgeo_filters.repair.equal_rows import equal_rows, occurring
 from qgeo_filters.repair.manifold import consistent_flips, split_into_fans
 from qgeo_filters.repair.welding import welded
 from qgeo_filters.repair.winding import winding

@@ -12,7 +12,7 @@ from scipy.spatial import KDTree
 
 from qgeo_filters import connectivity
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray
-from qgeo_filters.repair.equal_rows import equal_rows, occurring
+from qgeo_filters.equal_rows import equal_rows, occurring
 
 # Corners computed facet by facet differ by a few steps of single precision; in text, in the sixth digit.
 _STEPS, _OF_EXTENT = 8, 1e-5

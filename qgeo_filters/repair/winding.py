@@ -14,7 +14,7 @@ import numpy as np
 
 from qgeo_filters import connectivity
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray
-from qgeo_filters.repair.equal_rows import occurring
+from qgeo_filters.equal_rows import occurring
 from qgeo_filters.triangle_geometry import face_crosses, unit_normals
 
 Winding: TypeAlias = Literal["outward", "inward", "mixed", "undetermined"]
