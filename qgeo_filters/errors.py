@@ -43,6 +43,17 @@ def concerning(name: str) -> Iterator[None]:
         raise type(error)(f"{name}: {error}") from error
 
 
+@contextmanager
+def of_file(name: str) -> Iterator[None]:
+    """Context in which an error of the system that names no file names this one."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno is not None and error.filename is None:
+            error.filename = name
+        raise
+
+
 def reason(error: BaseException) -> str:
     """What an exception says, in one line; its type where it says nothing (`MemoryError`, `EOFError`).
 

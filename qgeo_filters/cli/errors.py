@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from qgeo_filters.errors import QgeoError, one_line, reason
+from qgeo_filters.errors import QgeoError, of_file, one_line, reason
 
 BAD_INPUT = 2
 INTERRUPTED = 130
@@ -89,17 +89,6 @@ class OneLineWarnings(TyperCommand):
         with warnings.catch_warnings():
             warnings.showwarning = show
             return super().invoke(ctx)
-
-
-@contextmanager
-def of_file(name: str) -> Iterator[None]:
-    """Context in which an error of the system that names no file names this one."""
-    try:
-        yield
-    except OSError as error:
-        if error.errno is not None and error.filename is None:
-            error.filename = name
-        raise
 
 
 @contextmanager

@@ -18,10 +18,10 @@ from rich.console import Console
 from rich.table import Table as TerminalTable
 
 from qgeo_filters import __version__
-from qgeo_filters.cli.errors import of_file, to_standard_output
+from qgeo_filters.cli.errors import to_standard_output
 from qgeo_filters.cli.options import Settings
 from qgeo_filters.cli.outputs import LISTING, OutputFolder
-from qgeo_filters.errors import MeshError, QgeoError, reason
+from qgeo_filters.errors import MeshError, QgeoError, of_file, reason
 from qgeo_filters.hosts.repair import repair_surface
 from qgeo_filters.report.html import Picture, Table, formatted, write_report
 from qgeo_filters.surface import Surface

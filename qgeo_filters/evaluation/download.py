@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import shutil
 import tempfile
 import warnings
@@ -13,7 +14,7 @@ from os import PathLike
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from qgeo_filters.errors import MeshError, ParameterError, require_package
+from qgeo_filters.errors import MeshError, ParameterError, of_file, require_package
 from qgeo_filters.evaluation.datasets import Dataset, IndexedDataset, VtsDataset
 
 
@@ -75,6 +76,9 @@ SOURCES: Mapping[str, Source] = {
     ),
 }
 
+# Digests of the files of a data set as they were unpacked, in its folder.
+_LISTING = ".unpacked.json"
+
 
 def fetch(
     name: str,
@@ -107,7 +111,8 @@ def fetch(
     Raises
     ------
     ValueError
-        Unknown name; an archive that is not the one of the known hash.
+        Unknown name; an archive that is not the one of the known hash; a folder of the data set's name that would be
+        replaced and holds a file that was not unpacked into it, or was changed since.
     MeshError
         An archive without the expected files.
     OSError
@@ -129,15 +134,21 @@ def fetch(
     requests = require_package("requests", "download", "fetching a data set")  # a dependency of pooch
     base = Path(pooch.os_cache("qgeo-filters") if folder is None else folder)
     archives = base / "archives"
+    root = base / name
+    places = {url: archives / f"{name}-{hashlib.sha256(url.encode()).hexdigest()[:8]}.zip" for url in source.urls}
+    if not all(place.is_file() for place in places.values()):
+        _require_own(root)  # before gigabytes are downloaded that could not be unpacked
     files = []
-    for url in source.urls:
-        kept = f"{name}-{hashlib.sha256(url.encode()).hexdigest()[:8]}.zip"
+    for url, place in places.items():
+        if url in hashes and place.is_file() and pooch.file_hash(str(place)) != hashes[url]:
+            raise ParameterError(f"{place} does not match the known hash: move it away to download it again")
         try:
-            file = Path(pooch.retrieve(url, hashes.get(url), kept, archives, progressbar=progress))
+            with of_file(str(place)):
+                file = Path(pooch.retrieve(url, hashes.get(url), place.name, archives, progressbar=progress))
         except requests.RequestException as error:
             raise ConnectionError(
                 f"{url} cannot be downloaded, {_reason(error)}: check the network, or save the archive by other means "
-                f"as {(archives / kept).absolute()}"
+                f"as {place.absolute()}"
             ) from error
         except ValueError as error:  # pooch's word for an archive that is another one
             raise ParameterError(str(error)) from error
@@ -148,10 +159,11 @@ def fetch(
                 stacklevel=2,
             )
         files.append(file)
-    root = base / name
     newest = max(file.stat().st_mtime for file in files)
     if not root.is_dir() or root.stat().st_mtime < newest:
-        _unpack(files, root, source.folders)
+        _require_own(root)
+        with of_file(str(root)):
+            _unpack(files, root, source.folders)
     return source.reader(root)
 
 
@@ -160,31 +172,59 @@ def _reason(error: Any) -> str:
     return "no answer" if error.response is None else f"the server answers with status {error.response.status_code}"
 
 
+def _require_own(root: Path) -> None:
+    """Raise where the folder holds a file that was not unpacked into it, or was changed since."""
+    try:
+        unpacked = dict(json.loads((root / _LISTING).read_bytes()))
+    except (FileNotFoundError, NotADirectoryError, ValueError, TypeError):
+        unpacked = {}
+    for path in sorted(root.rglob("*")):
+        if (path.is_dir() and not path.is_symlink()) or path == root / _LISTING:
+            continue
+        if path.is_symlink() or unpacked.get(path.relative_to(root).as_posix()) != _digest(path):
+            raise ParameterError(
+                f"{root} is to be unpacked anew, but {path} is not as it came from an archive: choose another folder, "
+                f"or move {root} away"
+            )
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
 def _unpack(archives: list[Path], root: Path, folders: Mapping[str, str]) -> None:
-    """Put the files of these suffixes into their folders under root, all of them or none."""
+    """Put the files of these suffixes into their folders under root, all of them or none, and list their digests."""
     with tempfile.TemporaryDirectory(dir=root.parent, prefix=f".{root.name}-") as temporary:
         made = Path(temporary) / root.name
         made.mkdir()
         for archive in archives:
-            count = 0
-            try:
-                with zipfile.ZipFile(archive) as content:
-                    for entry in content.infolist():
-                        path = PurePosixPath(entry.filename)
-                        # Archives made on a Mac have a shadow of each file.
-                        if entry.is_dir() or path.suffix.lower() not in folders or path.name.startswith("._"):
-                            continue
-                        target = made / folders[path.suffix.lower()] / path.name
-                        if target.exists():
-                            raise MeshError(f"{archive} holds more than one {path.name}")
-                        target.parent.mkdir(exist_ok=True)
-                        with content.open(entry) as read, target.open("wb") as write:
-                            shutil.copyfileobj(read, write)
-                        count += 1
-            except zipfile.BadZipFile as error:
-                raise MeshError(f"{archive} is no zip archive: remove it to download it again") from error
-            if not count:
-                raise MeshError(f"{archive} holds no {' or '.join(folders)} files")
+            _extract(archive, made, folders)
+        digests = {path.relative_to(made).as_posix(): _digest(path) for path in made.rglob("*") if path.is_file()}
+        (made / _LISTING).write_text(json.dumps(digests, indent=2) + "\n", encoding="utf-8")
         if root.is_dir():
-            shutil.rmtree(root)
+            root.rename(Path(temporary) / "replaced")
         made.rename(root)
+
+
+def _extract(archive: Path, made: Path, folders: Mapping[str, str]) -> None:
+    """Put an archive's files of these suffixes into their folders."""
+    count = 0
+    try:
+        with zipfile.ZipFile(archive) as content:
+            for entry in content.infolist():
+                path = PurePosixPath(entry.filename)
+                # Archives made on a Mac have a shadow of each file.
+                if entry.is_dir() or path.suffix.lower() not in folders or path.name.startswith("._"):
+                    continue
+                target = made / folders[path.suffix.lower()] / path.name
+                if target.exists():
+                    raise MeshError(f"{archive} holds more than one {path.name}")
+                target.parent.mkdir(exist_ok=True)
+                with content.open(entry) as read, target.open("wb") as write:
+                    shutil.copyfileobj(read, write)
+                count += 1
+    except zipfile.BadZipFile as error:
+        raise MeshError(f"{archive} is no zip archive: remove it to download it again") from error
+    if not count:
+        raise MeshError(f"{archive} holds no {' or '.join(folders)} files")

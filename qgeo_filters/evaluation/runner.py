@@ -85,7 +85,9 @@ class PairStore:
         except MeshError as error:
             raise _foreign(file, reason(error)) from error
         kinds = {field: (array.dtype.kind, array.ndim) for field, array in kept.items()}
-        odd = [field for field, kind in _KINDS.items() if kinds.get(field) != kind]
+        odd = [field for field in sorted(kinds.keys() | _KINDS) if kinds.get(field) != _KINDS.get(field)]
+        if file.is_symlink():
+            raise _foreign(file, "a link")
         if odd:
             raise _foreign(file, f"{odd[0]} is not what it should be")
         if str(kept["key"]) != key:

@@ -13,7 +13,10 @@ from typer.testing import Result
 
 import qgeo_filters as qg
 from qgeo_filters import fingerprint
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.evaluation import runner
+from qgeo_filters.evaluation.errors import SymmetricErrors
+from qgeo_filters.evaluation.tables import PairResult
 from qgeo_filters.matching.correspondence import match
 
 Qgeo = Callable[..., Result]
@@ -132,7 +135,6 @@ def test_results_of_other_shapes_or_code_are_not_taken(
 ) -> None:
     command = ("evaluate", "tosca", "--root", dataset, "--no-pictures", "--pairs", 1)
     assert qgeo(*command).exit_code == 0
-    file = next(Path("qgeo-out/evaluate/pairs").iterdir())
     for mesh in (dataset / "remeshed").iterdir():
         shape = qg.Surface.read(mesh)
         shape.with_vertices(1.5 * shape.vertices).write(mesh)
@@ -140,6 +142,46 @@ def test_results_of_other_shapes_or_code_are_not_taken(
     assert "1 of 1 results" in qgeo(*command).stderr
     monkeypatch.setattr(fingerprint, "code_digest", lambda: "another version")
     assert "earlier run" not in qgeo(*command).stderr
-    file.write_bytes(b"PK not an archive")
-    assert "earlier run" not in qgeo(*command).stderr
     assert "1 of 1 results" in qgeo(*command).stderr
+
+
+def test_a_file_of_the_users_among_the_pairs_is_met_before_anything_is_matched(
+    qgeo: Qgeo, dataset: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(runner, "match", None)
+    folder = Path("qgeo-out/evaluate/pairs")
+    folder.mkdir(parents=True)
+    for name in ("egg0-egg1", "egg0-egg2", "egg1-egg2"):
+        (folder / f"{name}.npz").write_bytes(b"PK mine")
+    result = qgeo("evaluate", "tosca", "--root", dataset)
+    assert result.exit_code == 2
+    assert f"qgeo: egg0 - egg1: {folder}/egg0-egg1.npz is no" in result.stderr
+    assert {file.read_bytes() for file in folder.iterdir()} == {b"PK mine"}
+
+
+@pytest.mark.parametrize("foreign", ["nothing", "text", "array", "archive", "one array more", "link"])
+def test_only_files_that_were_kept_are_taken_for_kept_pairs(tmp_path: Path, foreign: str) -> None:
+    store = runner.PairStore(tmp_path / "pairs")
+    errors = SymmetricErrors(np.zeros(3), np.ones(3))
+    assert store.load("a - b", "a", "key") is None
+    store.save(PairResult("a - b", "a", errors, True, 1.0, np.arange(3)), "key")
+    kept = store.load("a - b", "a", "key")
+    assert kept is not None
+    np.testing.assert_array_equal(kept.p2p, np.arange(3))
+    assert store.load("a - b", "a", "another key") is None
+    (file,) = store.folder.iterdir()
+    if foreign in ("nothing", "text"):
+        file.write_bytes(b"" if foreign == "nothing" else b"PK not an archive")
+    elif foreign == "array":
+        with file.open("wb") as stream:
+            np.save(stream, np.arange(3))
+    elif foreign == "archive":
+        np.savez(file, truth=np.arange(3))
+    elif foreign == "one array more":
+        with np.load(file) as arrays:
+            np.savez(file, mine=np.arange(3), **arrays)
+    else:
+        file.rename(tmp_path / "kept.npz")
+        file.symlink_to(tmp_path / "kept.npz")
+    with pytest.raises(ParameterError, match=r"a-b\.npz is no"):
+        store.load("a - b", "a", "key")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+import os
+import shutil
 import threading
 import warnings
 import zipfile
@@ -15,7 +17,7 @@ import numpy as np
 import pytest
 from shapes import blob
 
-from qgeo_filters.errors import MeshError, MissingPackageError
+from qgeo_filters.errors import MeshError, MissingPackageError, ParameterError
 from qgeo_filters.evaluation import IndexedDataset, VtsDataset, download, fetch
 from qgeo_filters.evaluation.download import SOURCES, Source
 from qgeo_filters.surface import Surface
@@ -96,6 +98,58 @@ def test_a_wrong_archive_is_refused(tmp_path: Path, poses: str) -> None:
     with pytest.raises(ValueError, match="does not match the known hash"):
         fetch("poses", tmp_path / "kept", known_hash={**known, poses: "0" * 64})
     assert not (tmp_path / "kept/poses").exists()
+
+
+@pytest.mark.filterwarnings("ignore:.*was not held")
+@pytest.mark.parametrize("change", ["a file more", "a file changed", "a link", "a folder of the user's"])
+def test_a_folder_that_holds_a_file_of_the_users_is_not_unpacked_anew(tmp_path: Path, poses: str, change: str) -> None:
+    root = tmp_path / "kept/poses"
+    if change != "a folder of the user's":
+        fetch("poses", tmp_path / "kept")
+    root.mkdir(parents=True, exist_ok=True)
+    mine = root / ("off/pose0.off" if change == "a file changed" else "mine.off")
+    mine.unlink(missing_ok=True)
+    if change == "a link":
+        mine.symlink_to(tmp_path / "pose0.off")
+    else:
+        mine.write_text("mine")
+    before = {path: path.read_bytes() for path in root.rglob("*") if path.is_file()}
+    asked = len(Quiet.asked)
+    shutil.rmtree(tmp_path / "kept/archives", ignore_errors=True)
+    with pytest.raises(ParameterError, match=rf"{mine.name} is not as it came from an archive.* move .*poses away"):
+        fetch("poses", tmp_path / "kept")
+    assert len(Quiet.asked) == asked  # said before anything is downloaded
+    assert {path: path.read_bytes() for path in root.rglob("*") if path.is_file()} == before
+
+
+@pytest.mark.filterwarnings("ignore:.*was not held")
+def test_what_was_unpacked_and_not_changed_is_unpacked_anew(tmp_path: Path, poses: str) -> None:
+    root = tmp_path / "kept/poses"
+    fetch("poses", tmp_path / "kept")
+    before = {path: path.read_bytes() for path in root.rglob("*") if path.is_file()}
+    later = root.stat().st_mtime + 10
+    for archive in (tmp_path / "kept/archives").glob("*.zip"):
+        os.utime(archive, (later, later))
+    inode = root.stat().st_ino
+    fetch("poses", tmp_path / "kept")
+    assert root.stat().st_ino != inode
+    assert {path: path.read_bytes() for path in root.rglob("*") if path.is_file()} == before
+    assert {path.name for path in (tmp_path / "kept").iterdir()} == {"archives", "poses"}
+    os.utime(root, (0, 0))
+    (root / "off/pose0.off").write_text("mine")
+    with pytest.raises(ParameterError, match=r"pose0\.off is not as it came"):
+        fetch("poses", tmp_path / "kept")
+    assert (root / "off/pose0.off").read_text() == "mine"
+
+
+def test_an_archive_that_is_another_one_is_not_replaced(tmp_path: Path, poses: str) -> None:
+    known = hashes(tmp_path, poses)
+    fetch("poses", tmp_path / "kept", known_hash=known)
+    archive = next((tmp_path / "kept/archives").glob("*.zip"))
+    archive.write_bytes(b"saved by other means")
+    with pytest.raises(ParameterError, match=rf"{archive.name} does not match the known hash: move it away"):
+        fetch("poses", tmp_path / "kept", known_hash=known)
+    assert archive.read_bytes() == b"saved by other means"
 
 
 @pytest.mark.filterwarnings("ignore:.*was not held")
