@@ -72,7 +72,8 @@ def match(
         pictures=(*_PICTURES, *(() if truth is None else _PICTURES_OF_ERRORS)),
         texts=("match_log.md",),
     )
-    shapes = job.read()
+    shape_x, shape_y = job.read()
+    shapes = shape_x, shape_y
     target = None if truth is None else read_truth(truth, shapes[0].n_vertices, shapes[1].n_vertices)
     if not normalize:
         check_same_size(*shapes)
