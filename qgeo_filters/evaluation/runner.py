@@ -92,11 +92,13 @@ class PairStore:
             raise _foreign(file, f"{odd[0]} is not what it should be")
         if str(kept["key"]) != key:
             return None
-        errors = SymmetricErrors(kept["direct"], kept["reflected"])
+        errors = SymmetricErrors(kept["direct"].astype(np.float64), kept["reflected"].astype(np.float64))
         if errors.direct.shape != errors.reflected.shape or not np.isfinite([errors.direct, errors.reflected]).all():
             raise _foreign(file, "errors that are no distances")
         self.reused += 1
-        return PairResult(name, category, errors, bool(kept["confident"]), float(kept["seconds"]), kept["p2p"])
+        return PairResult(
+            name, category, errors, bool(kept["confident"]), float(kept["seconds"]), kept["p2p"].astype(np.int64)
+        )
 
     def save(self, result: PairResult, key: str) -> None:
         """Keep a result, in place of an earlier one of this name."""

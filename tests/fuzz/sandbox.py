@@ -70,10 +70,16 @@ def fuzzed(target: str, seed: int, indices: Sequence[int]) -> Iterator[Finding]:
             batch = batch[done:]
 
 
-def fault_of(target: str, files: Mapping[str, bytes], repair: bool = False) -> str | None:
-    """What a reader does wrong on these files; None if it reads or refuses them as it should."""
-    findings = _run(_one, target, dict(files), repair)[1]
-    return findings[0].fault if findings else None
+def faults_of(target: str, inputs: Sequence[Mapping[str, bytes]]) -> dict[int, str]:
+    """What a reader does wrong, by the number of the input; each is read as it is and to be repaired."""
+    given = [(files, repair) for files in inputs for repair in (False, True)]
+    faults: dict[int, str] = {}
+    start = 0
+    while start < len(given):
+        done, findings = _run(_given, target, given[start:], start)
+        faults.update((finding.index // 2, finding.fault) for finding in findings)
+        start += done
+    return faults
 
 
 def _run(work: object, target: str, *arguments: object) -> tuple[int, list[Finding]]:
@@ -115,7 +121,7 @@ def _death(code: int | None) -> str:
 @functools.cache
 def _context() -> multiprocessing.context.ForkServerContext:
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["fuzz.targets", "trimesh", "zarr"])
+    context.set_forkserver_preload(["fuzz.targets", "nibabel", "zarr"])
     return context
 
 
@@ -136,9 +142,10 @@ def _inputs(connection: Connection, target: str, seed: int, indices: Sequence[in
     connection.send(("end", None))
 
 
-def _one(connection: Connection, target: str, files: Mapping[str, bytes], repair: bool) -> None:
+def _given(connection: Connection, target: str, inputs: Sequence[tuple[Mapping[str, bytes], bool]], first: int) -> None:
     with _bounded(target) as folder:
-        _tried(connection, target, 0, files, repair, folder)
+        for index, (files, repair) in enumerate(inputs, start=first):
+            _tried(connection, target, index, files, repair, folder)
     connection.send(("end", None))
 
 
@@ -206,7 +213,7 @@ def _fault(target: str, place: Path, files: Mapping[str, bytes], repair: bool) -
             message = str(error)
             if not any(name in message for name in names):
                 return f"the message names no file: {message[:200]}"
-            if re.search(r"(?<!shape)\s\(\)|:\s*$|\n", message) or len(message) > 1000:
+            if re.search(r"\s\(\)(?=$|[.:;])|:\s*$|\n", message) or len(message) > 1000:
                 return f"the message has no reason, several lines or no end: {message[:300]!r}"
         except Exception as error:
             frames = traceback.extract_tb(error.__traceback__)
@@ -233,7 +240,7 @@ def _laid(folder: Path, files: Mapping[str, bytes]) -> None:
 
 def timed_indices(seconds: float) -> Iterator[list[int]]:
     """Batches of numbers until the time is over."""
-    end, start = time.monotonic() + seconds, 0
+    end, start, size = time.monotonic() + seconds, 0, 10
     while time.monotonic() < end:
-        yield list(range(start, start + BATCH))
-        start += BATCH
+        yield list(range(start, start + size))
+        start, size = start + size, min(BATCH, 2 * size)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import io
 import json
@@ -47,12 +48,15 @@ class Target:
         Takes a folder and whether to repair; raises, or returns what was read. An AssertionError is a fault.
     kept : str
         End of the names of files that are never changed.
+    cost : int
+        How often slower it is than most: so many times fewer inputs are tried in the gate.
     """
 
     seeds: Callable[[], list[Files]]
     mutate: Mutation
     read: Callable[[Path, bool], object]
     kept: str = "\0"
+    cost: int = 1
 
     def input(self, rng: random.Random) -> dict[str, bytes]:
         """A folder in which one file was changed."""
@@ -65,14 +69,14 @@ class Target:
 # -- meshes -------------------------------------------------------------------------------------------
 
 
-def mesh(mutate: Mutation, seeds: Callable[[], list[Files]]) -> Target:
+def mesh(mutate: Mutation, seeds: Callable[[], list[Files]], cost: int = 1) -> Target:
     """Target of a mesh format: the first file is read."""
 
     def read(folder: Path, repair: bool) -> object:
         file = next(path for path in sorted(folder.iterdir()) if path.stem == "mesh" and path.suffix != ".bin")
         return Surface.read(file, repair=repair)
 
-    return Target(functools.cache(seeds), mutate, read)
+    return Target(functools.cache(seeds), mutate, read, cost=cost)
 
 
 def written(suffix: str) -> Files:
@@ -164,6 +168,72 @@ def mat_seeds() -> list[Files]:
     return found
 
 
+def saved_by(*savers: tuple[str, Callable[[Path], object]]) -> list[Files]:
+    """Files that other libraries write, by name; those of libraries that are not installed are left out."""
+    found: list[Files] = []
+    with TemporaryDirectory() as folder:
+        for name, save in savers:
+            with contextlib.suppress(ImportError):
+                save(Path(folder) / name)
+                found.append({name: (Path(folder) / name).read_bytes()})
+    return found
+
+
+def brain_seeds() -> list[Files]:
+    def gifti(file: Path) -> None:
+        from nibabel.gifti import GiftiDataArray, GiftiImage
+
+        arrays = (
+            (V.astype("f4"), "NIFTI_INTENT_POINTSET"),
+            (F, "NIFTI_INTENT_TRIANGLE"),
+            (V[:, 0], "NIFTI_INTENT_SHAPE"),
+        )
+        data = [
+            GiftiDataArray(
+                values.astype("f4" if values.dtype.kind == "f" else "i4"),
+                intent,
+                "NIFTI_TYPE_FLOAT32" if values.dtype.kind == "f" else "NIFTI_TYPE_INT32",
+                encoding=encoding,
+            )
+            for (values, intent), encoding in zip(arrays, (3, 1, 2), strict=True)
+        ]
+        GiftiImage(darrays=data).to_filename(file)
+
+    return saved_by(("mesh.gii", gifti))
+
+
+def freesurfer_seeds() -> list[Files]:
+    def save(file: Path) -> None:
+        from nibabel.freesurfer import write_geometry
+
+        write_geometry(file, V, F)
+
+    return saved_by(("mesh.pial", save))
+
+
+def vtk_seeds() -> list[Files]:
+    def save(file: Path) -> None:
+        import pyvista
+
+        polydata = pyvista.PolyData.from_regular_faces(V, F)
+        polydata.point_data["f"] = V[:, 0]
+        polydata.save(file, binary=file.suffix == ".vtp")
+
+    return saved_by(("mesh.vtk", save), ("mesh.vtp", save))
+
+
+def gmsh_seeds() -> list[Files]:
+    def save(file: Path) -> None:
+        import meshio
+
+        meshio.gmsh.write(file, meshio.Mesh(V, [("triangle", F)]), "2.2", binary=True)
+
+    nodes = rows([(i + 1, *point) for i, point in enumerate(SQUARE)])
+    text = f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n{nodes}$EndNodes\n$Elements\n2\n"
+    text += "1 2 2 0 1 1 2 3\n2 3 2 0 1 1 2 3 4\n$EndElements\n"
+    return [*saved_by(("mesh.msh", save)), {"mesh.msh": text.encode()}]
+
+
 MESHES = {
     "off": mesh(mutations.text_changed, off_seeds),
     "obj": mesh(mutations.text_changed, obj_seeds),
@@ -176,6 +246,10 @@ MESHES = {
     ),
     "mat": mesh(mutations.in_deflated_matrices, mat_seeds),
     "vert_tri": mesh(mutations.text_changed, lambda: [written(".vert")]),
+    "gifti": mesh(mutations.both_changed, brain_seeds),
+    "freesurfer": mesh(mutations.bytes_changed, freesurfer_seeds),
+    "vtk": mesh(mutations.both_changed, vtk_seeds, cost=40),
+    "gmsh": mesh(mutations.both_changed, gmsh_seeds, cost=40),
 }
 
 
