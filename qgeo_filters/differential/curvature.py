@@ -81,14 +81,15 @@ def gaussian_curvature(surface: Surface) -> FloatArray:
 
 
 def principal_curvatures(surface: SurfaceLike, radius: int = 5) -> PrincipalCurvatures:
-    r"""Principal curvatures and directions of jets fitted to the neighbourhood of each vertex.
+    """Principal curvatures and directions of jets fitted to the neighbourhood of each vertex.
 
     Parameters
     ----------
     surface : Surface, or whatever `as_surface` takes
     radius : int
-        Rings of neighbours that a jet is fitted to, at least 2. Fewer follow finer detail, and noise: at two rings the
-        noise of scanned positions outweighs the curvature of a fine mesh.
+        Rings of neighbours that a jet is fitted to at most, at least 2. From four on a second jet is fitted to three
+        rings, and counts where the wide one misses its points by more than noise would: detail of a few edges is kept,
+        and noise is averaged. Two rings follow the finest detail, and all noise.
 
     Returns
     -------
@@ -103,13 +104,12 @@ def principal_curvatures(surface: SurfaceLike, radius: int = 5) -> PrincipalCurv
     Notes
     -----
     The height over the tangent plane is a polynomial of fourth order, fitted by least squares, in which a neighbour
-    weighs the less the more its normal turns away; the curvatures are those of its shape operator. On a smooth surface
-    the error falls with the square of the edge length, and faster on a sphere. A boundary vertex is fitted from one
-    side.
+    weighs the less the more its normal turns away (`fitted_jets`); the curvatures are those of its shape operator. On a
+    smooth surface the error falls with the square of the edge length. A boundary vertex is fitted from one side.
 
-    k1 k2 and `gaussian_curvature`, (k1 + k2) / 2 and `mean_curvature` estimate the same from neighbourhoods of
-    different size, so that each differs from its counterpart by both errors: the fit averages noise over its rings,
-    while angle defects and cotangents add up over a region (Gauss and Bonnet).
+    k1 k2 and `gaussian_curvature`, or (k1 + k2) / 2 and `mean_curvature`, estimate the same thing in two ways and
+    differ by the errors of both. The fit converges on irregular triangles too and averages noise; angle defects and
+    cotangents see one ring, and what they add up to over a region is right (Gauss and Bonnet).
 
     References
     ----------

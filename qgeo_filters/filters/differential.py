@@ -63,7 +63,7 @@ class Curvatures(Filter):
     Parameters
     ----------
     radius : int
-        Rings of neighbours that the principal curvatures are fitted to, see `principal_curvatures`.
+        Rings of neighbours that the principal curvatures are fitted to at most, see `principal_curvatures`.
     """
 
     outputs = {
