@@ -35,6 +35,9 @@ _QUADRIC: Final = 6
 _PENALTIES: Final = np.array([np.sqrt(RIDGE / comb(i + j, j)) if i + j > 2 else 0.0 for i, j in _MONOMIALS])
 # A column of a quadric that the columns before it determine up to this says nothing of its own.
 _DEPENDENT: Final = 1e-6
+# Rings do not run on through a vertex of more neighbours: the rim of a fan is not one neighbourhood, and its pairs
+# would fill the memory.
+_HUB: Final = 50
 # Neighbours in a block of vertices that are fitted together.
 _BLOCK: Final = 50_000
 
@@ -131,14 +134,20 @@ def _neighbourhoods(
     adjacency: sparse.csr_matrix, rings: int
 ) -> Iterator[tuple[npt.NDArray[np.int64], npt.NDArray[np.int32], npt.NDArray[np.bool_]]]:
     """Vertices (b,) with their neighbours and themselves (b, m), and which of the latter are meant, in blocks."""
+    valences = np.diff(adjacency.indptr)
+    start = np.repeat(np.arange(len(valences)), valences)
+    through = adjacency.copy()
+    through.data[(valences[start] > _HUB) & (through.indices != start)] = 0
+    through.eliminate_zeros()
     reach = adjacency
     for _ in range(rings - 1):
-        reach = reach @ adjacency
+        reach = reach @ through
         reach.data[:] = 1  # else the number of ways to a neighbour grows without bound
     counts = np.diff(reach.indptr)
-    # Vertices of as many neighbours stand together, so that little is filled up.
+    # Vertices of about as many neighbours stand together, so that little is filled up.
     order = np.argsort(counts, kind="stable")
-    bounds = np.flatnonzero(np.diff(np.cumsum(counts[order], dtype=np.int64) // _BLOCK)) + 1
+    full = np.diff(np.cumsum(counts[order], dtype=np.int64) // _BLOCK) > 0
+    bounds = np.flatnonzero(full | (np.diff(np.log2(counts[order]).astype(int)) > 0)) + 1
     for block in np.split(order, bounds):
         place = np.arange(counts[block].max())
         inside = place < counts[block, None]

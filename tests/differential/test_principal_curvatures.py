@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from shapes import blob, cylinder, grid, icosphere, terrain, torus
+from shapes import blob, cone, cylinder, grid, icosphere, terrain, torus
 
 import qgeo_filters as qg
 from qgeo_filters.differential.curvature import PrincipalCurvatures, principal_curvatures
@@ -215,3 +215,14 @@ def test_a_plane_is_flat_up_to_its_boundary():
     assert principal.fitted.all()
     assert (principal.k1 == 0).all()
     assert (principal.k2 == 0).all()
+
+
+def test_a_hub_of_many_neighbours_is_fitted_as_others_are():
+    # The curvature of the cone z = r is 1 / (sqrt(2) r) all around, inwards; sixty vertices share the apex.
+    vertices, faces = cone(60, 12)
+    found = principal_curvatures(Surface(vertices, faces))
+    radius = np.hypot(*vertices[:, :2].T)
+    away = radius > 3.5 / 12
+    assert found.fitted.all()
+    np.testing.assert_allclose(found.k2[away] * radius[away], -1 / np.sqrt(2), rtol=0.03)
+    np.testing.assert_allclose(found.k1[away] * radius[away], 0, atol=0.03)
