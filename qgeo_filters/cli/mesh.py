@@ -58,4 +58,14 @@ def details(surface: Surface) -> dict[str, Any]:
         "bounding_box_min": low.tolist(),
         "bounding_box_max": high.tolist(),
         "attributes": sorted(surface.attributes),
+        "advice": advice(surface),
     }
+
+
+def advice(surface: Surface) -> list[str]:
+    """What --repair would mend in a surface that commands take as it is; nothing for most."""
+    sides = {"inward": "the faces are wound inwards", "mixed": "some faces are wound outwards and some inwards"}
+    found = [f"{sides[surface.winding]}: --repair turns them"] if surface.winding in sides else []
+    if len(surface.unwelded_vertices):
+        found.append("vertices lie on each other along seams: --repair joins them")
+    return found

@@ -77,6 +77,23 @@ def test_repair_is_reported(qgeo: Qgeo, loaded: Loaded) -> None:
     assert content["mesh"]["repaired"]
 
 
+def test_info_says_which_side_is_out_and_how_to_turn_it(qgeo: Qgeo, loaded: Loaded) -> None:
+    blob = qg.Surface.read("blob.off")
+    qg.Surface(blob.vertices, blob.faces[:, ::-1]).write("inside.off")
+    expected = {
+        "blob.off": ("outward", []),
+        "square.obj": ("undetermined", []),
+        "inside.off": ("inward", ["the faces are wound inwards: --repair turns them"]),
+    }
+    for mesh, (winding, advice) in expected.items():
+        assert qgeo("info", mesh, "--no-pictures").exit_code == 0
+        found = loaded(Path("qgeo-out/info"))[0]["results"]
+        assert (found["winding"], found["advice"]) == (winding, advice)
+    assert qgeo("info", "inside.off", "--no-pictures", "--repair").exit_code == 0
+    found = loaded(Path("qgeo-out/info"))[0]["results"]
+    assert (found["winding"], found["advice"]) == ("outward", [])
+
+
 def test_distances_of_all_pairs(qgeo: Qgeo, loaded: Loaded) -> None:
     assert qgeo("distances", "sphere.ply", "-w", 0).exit_code == 0
     content, arrays = loaded(Path("qgeo-out/distances"))
