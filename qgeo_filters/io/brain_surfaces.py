@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from qgeo_filters.io.damage import DAMAGED_FILE
 from qgeo_filters.io.raw_mesh import RawMesh, counted
 
 _TRIANGLES, _QUADS = b"\xff\xff\xfe", (b"\xff\xff\xff", b"\xff\xff\xfd")
+_DIMENSIONALITY = re.compile(rb"Dimensionality\s*=\s*[\"'][\s+]*(\d+)")
 _POSITIONS, _FACES, _NUMBERS = "NIFTI_INTENT_POINTSET", "NIFTI_INTENT_TRIANGLE", "NIFTI_INTENT_NODE_INDEX"
 
 
@@ -38,6 +40,7 @@ def read_freesurfer(path: Path, repair: bool) -> RawMesh:
 def read_gifti(path: Path, repair: bool) -> RawMesh:
     """Arrays of a GIFTI surface; what else it has per vertex are attributes."""
     nibabel = require_package("nibabel", "files", f"reading {path.name}")
+    _check_dimensions(path)
     errors = (*DAMAGED_FILE, AssertionError, OSError, MemoryError, ExpatError, nibabel.filebasedimages.ImageFileError)
     try:
         with warnings.catch_warnings(action="ignore"):
@@ -57,6 +60,15 @@ def read_gifti(path: Path, repair: bool) -> RawMesh:
     n_over = len(arrays) - len(rest) - 2
     notes = (f"{counted(n_over, 'array')} beside the surface passed over",) if n_over else ()
     return RawMesh(positions, faces, _attributes(rest), notes)
+
+
+def _check_dimensions(path: Path) -> None:
+    """Refuse arrays of more dimensions than NIfTI has, to whose number nibabel would count one by one."""
+    content = path.read_bytes().replace(b"\0", b"")  # those of UTF-16
+    for found in _DIMENSIONALITY.finditer(content):
+        digits = found[1].lstrip(b"0")
+        if len(digits) > 1 or digits > b"7":
+            raise MeshError(f"not a readable GIFTI file (an array of {digits[:20].decode()} dimensions)")
 
 
 def _check_counts(path: Path) -> None:

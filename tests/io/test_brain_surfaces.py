@@ -144,3 +144,13 @@ def test_mutated_files_are_surfaces_or_mesh_errors(tmp_path):
             file.write_bytes(bytes(damaged))
             with suppress(MeshError):
                 assert Surface.read(file).n_vertices == len(V)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_gifti_of_dimensions_without_end(tmp_path, encoding):
+    """Their library counts up to the number one by one: four thousand million steps."""
+    file = gifti(tmp_path / "a.gii", (SINGLE, POINTS, None), (F, TRIANGLES, None))
+    text = file.read_text().replace('Dimensionality="2"', 'Dimensionality="4294967295"', 1)
+    file.write_bytes(text.replace('"UTF-8"', f'"{encoding.upper()}"').encode(encoding))
+    with pytest.raises(MeshError, match=r"not a readable GIFTI file \(an array of 4294967295 dimensions\)"):
+        Surface.read(file)
