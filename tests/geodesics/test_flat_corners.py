@@ -134,6 +134,20 @@ def test_path_bends_at_a_saddle_on_the_edge_of_one_face(scale):
         assert 1 in path.vertices
 
 
+def test_paths_over_flat_triangles_have_angles_and_none_is_shorter_than_the_exact_distance(two):
+    """Several edges cross in one place there, from one to the next of which a path has no direction."""
+    surface, _ = two
+    d = distances(surface, np.arange(surface.n_vertices), method="exact")
+    for i, j in np.random.default_rng(0).choice(surface.n_vertices, size=(12, 2)):
+        if i != j and np.isfinite(d[i, j]):
+            path = quasi_geodesic(surface, int(i), int(j))
+            assert path.length >= d[i, j] * (1 - 1e-7)
+            total = path.left_angle + path.right_angle
+            on_edge = path.vertices[1:-1] < 0
+            np.testing.assert_allclose(total[on_edge], 2 * np.pi, atol=1e-6)
+            assert np.isfinite(path.kappa_g).all()
+
+
 def test_tidy_meshes_have_no_views():
     for mesh in (shapes.blob(2), shapes.torus(12, 8), shapes.grid(6), shapes.terrain(60, 1, 0.2)):
         surface = Surface(*mesh)

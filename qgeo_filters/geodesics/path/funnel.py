@@ -21,6 +21,9 @@ from qgeo_filters.jit import inner, kernel
 # A path that passes a vertex at this fraction of the crossed edge passes through it: its length is then
 # off by the square.
 SNAP = 1e-8
+# Nodes nearer to each other than this, relative to where they lie, are in one place: edges cross there, as those
+# of triangles without area do, and the way from one to the next has no direction.
+TOGETHER = 1e-9
 
 PORTAL = np.dtype(
     [("lx", "f8"), ("ly", "f8"), ("rx", "f8"), ("ry", "f8"), ("left", "i8"), ("right", "i8")]
@@ -237,11 +240,28 @@ def _angle(ax: float, ay: float, bx: float, by: float) -> float:
 
 
 @kernel
+def _way(flat: FlatSleeve, k: int, step: int) -> tuple[float, float, bool]:
+    """From node k to the next one before (step -1) or behind it (+1) in another place; False where that is the end."""
+    node = flat.nodes[k]
+    x, y = node["x"], node["y"]
+    portal = flat.portals[node["first"]]
+    near = TOGETHER * (abs(x) + abs(y) + abs(portal["lx"] - portal["rx"]) + abs(portal["ly"] - portal["ry"]))
+    j = k + step
+    while 0 < j < flat.size[1] - 1 and abs(flat.nodes[j]["x"] - x) + abs(flat.nodes[j]["y"] - y) <= near:
+        j += step
+    dx, dy = flat.nodes[j]["x"] - x, flat.nodes[j]["y"] - y
+    return dx, dy, abs(dx) + abs(dy) > near
+
+
+@kernel
 def side_angles(flat: FlatSleeve, k: int, mesh: UnfoldedMesh) -> tuple[float, float]:
     """Angles to the left and to the right of the path at its interior node k, in the triangles that meet there."""
-    node, before, after = flat.nodes[k], flat.nodes[k - 1], flat.nodes[k + 1]
+    node = flat.nodes[k]
     x, y = node["x"], node["y"]
-    ux, uy, wx, wy = before["x"] - x, before["y"] - y, after["x"] - x, after["y"] - y
+    ux, uy, comes = _way(flat, k, -1)
+    wx, wy, goes = _way(flat, k, 1)
+    if node["vertex"] < 0 and comes != goes:  # the path starts or ends on the edge: straight on
+        ux, uy, wx, wy = (-wx, -wy, wx, wy) if goes else (ux, uy, -ux, -uy)
     portal = flat.portals[node["first"]]
     if node["vertex"] < 0:
         lx, ly, rx, ry = portal["lx"] - x, portal["ly"] - y, portal["rx"] - x, portal["ry"] - y
