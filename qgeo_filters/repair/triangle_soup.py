@@ -51,6 +51,7 @@ class RepairedMesh:
     report: tuple[str, ...]
 
 
+@np.errstate(over="ignore", invalid="ignore")  # coordinates too large for areas are refused by the surface that is made
 def repaired_mesh(raw: RawMesh, *, force: bool = False) -> RepairedMesh:
     """Manifold mesh in one piece; the steps are listed at `hosts.repair.repair_surface`.
 

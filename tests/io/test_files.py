@@ -268,7 +268,15 @@ def test_missing_files_and_folders(tmp_path):
     ids=["read", "read and repair", "as_surface", "as_surface and repair", "repair_surface"],
 )
 @pytest.mark.filterwarnings("error")  # NumPy's "no data" is not the user's to read
-@pytest.mark.parametrize("text", ["OFF\n0 0 0\n", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n", "OFF\n1 1 0\nx 0 0\n3 0 0 0\n"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "OFF\n0 0 0\n",
+        "OFF\n3 1 0\n0 0 0\n1e200 0 0\n0 1e200 0\n3 0 1 2\n",
+        "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n",
+        "OFF\n1 1 0\nx 0 0\n3 0 0 0\n",
+    ],
+)
 def test_each_way_in_names_the_file_once(tmp_path, read, text):
     file = wrote(tmp_path, "a.off", text)
     with pytest.raises(MeshError) as caught:
