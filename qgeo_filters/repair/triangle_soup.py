@@ -51,7 +51,7 @@ class RepairedMesh:
     report: tuple[str, ...]
 
 
-@np.errstate(over="ignore", invalid="ignore")  # coordinates too large for areas are refused by the surface that is made
+@np.errstate(over="ignore", invalid="ignore")  # coordinates too large for areas are refused in words
 def repaired_mesh(raw: RawMesh, *, force: bool = False) -> RepairedMesh:
     """Manifold mesh in one piece; the steps are listed at `hosts.repair.repair_surface`.
 
@@ -80,6 +80,8 @@ def repaired_mesh(raw: RawMesh, *, force: bool = False) -> RepairedMesh:
     joined = _welded(vertices, faces, report)
     stands_for, faces = joined[original[stands_for]], _without_repeats(joined[faces].astype(np.int32), report)
     area = _area(vertices, faces)
+    if not np.isfinite(area):
+        raise MeshError("the areas of the faces leave float64; rescale the mesh")
     origin, faces = split_into_fans(vertices, faces, report)
     faces, sizes = _largest_piece(vertices[origin], faces, report)
     if not force:

@@ -268,21 +268,20 @@ def test_missing_files_and_folders(tmp_path):
     ids=["read", "read and repair", "as_surface", "as_surface and repair", "repair_surface"],
 )
 @pytest.mark.filterwarnings("error")  # NumPy's "no data" is not the user's to read
-@pytest.mark.parametrize(
-    "text",
-    [
-        "OFF\n0 0 0\n",
-        "OFF\n3 1 0\n0 0 0\n1e200 0 0\n0 1e200 0\n3 0 1 2\n",
-        "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n",
-        "OFF\n1 1 0\nx 0 0\n3 0 0 0\n",
-    ],
-)
+@pytest.mark.parametrize("text", ["OFF\n0 0 0\n", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n", "OFF\n1 1 0\nx 0 0\n3 0 0 0\n"])
 def test_each_way_in_names_the_file_once(tmp_path, read, text):
     file = wrote(tmp_path, "a.off", text)
     with pytest.raises(MeshError) as caught:
         read(file)
     assert str(caught.value).startswith(f"{file}: ")
     assert str(caught.value).count(str(file)) == 1
+
+
+@pytest.mark.filterwarnings("error")
+def test_repair_of_a_mesh_whose_areas_leave_float64(tmp_path):
+    text = "OFF\n4 4 0\n0 0 0\n1e90 0 0\n0 1e90 0\n0 0 1e90\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
+    with pytest.raises(MeshError, match=r"a\.off: the areas of the faces leave float64; rescale the mesh"):
+        Surface.read(wrote(tmp_path, "a.off", text), repair=True)
 
 
 def test_what_cannot_be_written_names_the_file(tmp_path):
