@@ -191,7 +191,7 @@ def test_bad_arrays_are_named(vertices, faces, message):
 
 @pytest.mark.parametrize(
     ("vertices", "faces"),
-    [([[0, 0, 0], [1, 0]], F), ("vertices", F), (V, [[0, 1, 2], [0, 1]]), (V, "faces"), (V, F.astype(str))],
+    [([[0, 0, 0], [1, 0]], F), ("vertices", F), (V, [[0, 1, 2], ["a", "b"]]), (V, "faces"), (V, F.astype(str))],
 )
 def test_what_is_no_array_is_refused_by_repair_too(vertices, faces):
     with pytest.raises(MeshError, match=r"(vertices|faces) must"):

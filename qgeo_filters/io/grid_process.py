@@ -33,7 +33,7 @@ def main(kind: str, path: str) -> int:
         arrays: dict[str, Any] = {"vtk": _vtk_arrays, "gmsh": _gmsh_arrays}[kind](path)
     except (Exception, SystemExit) as error:  # whatever it is, it is the file's fault
         reason = " ".join(str(error).split()) or type(error).__name__
-        print(reason[:300], file=sys.stderr)
+        sys.stderr.write(f"{reason[:300]}\n")
         return 1
     memory = io.BytesIO()
     np.savez(memory, **arrays)

@@ -291,6 +291,7 @@ def test_a_binary_header_with_any_line_break_and_comment(tmp_path, newline):
     np.testing.assert_array_equal(Surface.read(tmp_path / "a.ply").vertices[:, 0], vertex["x"])
 
 
+@pytest.mark.filterwarnings("ignore:loadtxt")  # plyfile's, of empty lists
 @pytest.mark.parametrize("order", ["<", ">", "ascii"])
 def test_rows_of_any_kind_are_what_plyfile_reads(tmp_path, order):
     """Lists of several lengths between numbers, in elements that nobody knows, before and behind those of the mesh."""
