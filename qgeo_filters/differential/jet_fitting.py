@@ -98,7 +98,8 @@ def _share_of_wide(adjacency: sparse.csr_matrix, narrow: _Fits, wide: _Fits) -> 
     """Share (n,) of the wide jets, by the variances in the mean over each vertex and its neighbours."""
     both = narrow.fitted & wide.fitted
     small, large = (adjacency @ np.where(both, fits.variances, 0.0) for fits in (narrow, wide))
-    share = np.clip((WORSE * small - large) / np.maximum((WORSE - AS_GOOD) * small, np.finfo(float).tiny), 0, 1)
+    whole = (WORSE - AS_GOOD) * small
+    share = np.clip(WORSE * small - large, 0, whole) / np.maximum(whole, np.finfo(float).tiny)
     return np.where(both, share, wide.fitted.astype(float))
 
 

@@ -226,3 +226,14 @@ def test_a_hub_of_many_neighbours_is_fitted_as_others_are():
     assert found.fitted.all()
     np.testing.assert_allclose(found.k2[away] * radius[away], -1 / np.sqrt(2), rtol=0.03)
     np.testing.assert_allclose(found.k1[away] * radius[away], 0, atol=0.03)
+
+
+def test_one_vertex_far_off_a_plane_is_bent_and_all_is_finite():
+    """Elsewhere the narrow jets miss nothing, by which the wide ones are measured."""
+    vertices, faces = grid(6, 1.0)
+    vertices = vertices.copy()
+    spike = int(np.linalg.norm(vertices - vertices.mean(axis=0), axis=1).argmin())
+    vertices[spike, 2] = 50 * np.ptp(vertices[:, 0])
+    found = principal_curvatures(Surface(vertices, faces))
+    assert np.isfinite(found.curvedness).all()
+    assert found.curvedness[spike] > 1
