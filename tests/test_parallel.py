@@ -7,16 +7,19 @@ import os
 import threading
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
-from shapes import icosphere
+from shapes import blob, icosphere
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import qgeo_filters
 import qgeo_filters as qg
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.mmp.exact import exact_distances
+from qgeo_filters.matching import correspondence, prepared_shape, symmetry
 from qgeo_filters.parallel import (
     available_cores,
     concurrently,
@@ -127,6 +130,33 @@ def test_two_overlapping_limits_of_blas_are_undone_by_the_last() -> None:
         assert blas_threads() == before
     with threadpool_limits(3, user_api="blas"):  # nor is anyone kept from the limit afterwards
         assert set(blas_threads()) == {3}
+
+
+def test_matching_uses_one_thread_of_blas_from_the_spectra_to_the_map(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of shapes prepared before, too, so that no last bit of a map depends on the number."""
+    seen: dict[str, set[int]] = {}
+
+    def watched(module: ModuleType, name: str) -> None:
+        function = getattr(module, name)
+
+        def watching(*args: Any, **kwargs: Any) -> Any:
+            seen.setdefault(name, set()).update(blas_threads())
+            return function(*args, **kwargs)
+
+        monkeypatch.setattr(module, name, watching)
+
+    watched(prepared_shape, "spectrum_of_matrix")
+    watched(prepared_shape, "laplacian_spectrum")
+    watched(correspondence, "choose_map")
+    watched(correspondence, "functional_map")
+    watched(symmetry, "choose_reflection")
+    surface = qg.Surface(*blob(2, 0))
+    with threadpool_limits(2, user_api="blas"):
+        qg.match(qg.PreparedShape(surface).prepare(), surface)
+        qg.self_symmetry(surface)
+        assert set(blas_threads()) == {2}
+    assert len(seen) == 5
+    assert set().union(*seen.values()) == {1}
 
 
 def test_many_threads_in_and_out_leave_blas_as_it_was() -> None:

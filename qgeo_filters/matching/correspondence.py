@@ -24,7 +24,7 @@ from qgeo_filters.matching.regions import eigenfunction_regions
 from qgeo_filters.matching.selection.decision import Decision, choose_map
 from qgeo_filters.matching.selection.signatures import hks_agreement
 from qgeo_filters.matching.symmetry import self_symmetry
-from qgeo_filters.parallel import default_workers
+from qgeo_filters.parallel import default_workers, single_threaded_blas
 from qgeo_filters.repair.winding import Winding
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
 from qgeo_filters.validation import frozen
@@ -164,7 +164,8 @@ def match(
     alike (`choose_map`), registered on all vertices (`register`). The result does not depend on the signs
     and order that a solver returns, nor on position and size.
     """
-    with default_workers(workers), tqdm(total=4, desc="prepare X", disable=not progress) as bar:
+    bar = tqdm(total=4, desc="prepare X", disable=not progress)
+    with default_workers(workers), single_threaded_blas, bar:
         problem = MatchProblem.of(x, y, parameters, progress=progress)
         if not normalize:
             check_same_size(problem.x.surface, problem.y.surface, problem.parameters.same_area)

@@ -19,6 +19,7 @@ from qgeo_filters.geodesics.matrix import distance_matrix, distances
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.matching.parameters import MatchingParameters
+from qgeo_filters.parallel import single_threaded_blas
 from qgeo_filters.sampling import farthest_by_distances
 from qgeo_filters.spectral.laplacian import laplacian_spectrum
 from qgeo_filters.spectral.spectrum import Spectrum, check_areas, spectrum_of_matrix
@@ -171,6 +172,7 @@ class PreparedShape:
         return self.embeddings[-1].spectrum
 
     @cached_property
+    @single_threaded_blas
     def laplacian_spectrum(self) -> Spectrum:
         """Eigenpairs of the Laplace-Beltrami operator, up to 200."""
         return laplacian_spectrum(self.unit, min(self.parameters.laplacian_functions, self.n_vertices // 3))
@@ -181,6 +183,7 @@ class PreparedShape:
         return frozen(self.laplacian_spectrum.eigenfunctions.astype(np.float32))
 
     @cached_property
+    @single_threaded_blas
     def log_hks(self) -> FloatArray:
         """Heat kernel signature: logarithm of the heat kernel h(t; p, p) at each of ``hks_times``, (n, 3)."""
         squares = self.laplacian.astype(np.float64) ** 2
@@ -188,6 +191,7 @@ class PreparedShape:
         return frozen(np.log(squares @ decay))
 
     @cached_property
+    @single_threaded_blas
     def smoothed_mean_curvature(self) -> FloatArray:
         """Mean curvature after some heat, (n,), in units of 1 / sqrt(area): what bulges and what is hollow."""
         limit = self.parameters.curvature_limit
@@ -214,6 +218,7 @@ class PreparedShape:
             other.__dict__[name] = getattr(self, name)
         return other
 
+    @single_threaded_blas
     def _embedded(self, weight: float) -> MetricEmbedding:
         given = self.parameters
         first = weight == given.curvature_weights[0]

@@ -21,7 +21,7 @@ from qgeo_filters.matching.selection.decision import choose_reflection
 from qgeo_filters.matching.selection.signatures import hks_agreement
 from qgeo_filters.matching.smooth_shells import DenseMap
 from qgeo_filters.matching.symmetry_measure import symmetry_epsilon, symmetry_regions
-from qgeo_filters.parallel import default_workers
+from qgeo_filters.parallel import default_workers, single_threaded_blas
 from qgeo_filters.validation import frozen
 
 #: Mean distortion of distances, in sqrt(area), up to which a map of the shape to its mirror image is a symmetry.
@@ -132,6 +132,7 @@ def reflection_log(shape: Shape, *, parameters: MatchingParameters | None = None
     return problem.log
 
 
+@single_threaded_blas
 def _found(problem: MatchProblem, tolerance: float) -> Symmetry:
     x, given = problem.x, problem.parameters
     proposed = candidates(problem)
