@@ -224,6 +224,7 @@ def _described(problem: MatchProblem, decision: Decision, mirrored: bool) -> Mat
     centre = y.surface.vertex_areas @ y.surface.vertices / y.surface.area
     positions = dense.positions * flip * y.scale + centre
     regions_x, regions_y = eigenfunction_regions(phi_x, phi_y, p2p, x.areas)
+    given = y.surface.turned_over() if y.winding == "inward" else y.surface  # corners in the caller's order
     return MatchResult(
         p2p=frozen(p2p),
         inverse=frozen(dense.inverse),
@@ -240,7 +241,7 @@ def _described(problem: MatchProblem, decision: Decision, mirrored: bool) -> Mat
         regions_x=frozen(regions_x),
         regions_y=frozen(regions_y),
         positions=frozen(positions),
-        barycentric=barycentric_map(positions, p2p, y.surface),
+        barycentric=barycentric_map(positions, p2p, given),
         log=problem.log,
     )
 

@@ -36,7 +36,9 @@ def test_the_largest_shift_is_named_where_it_can_be_seen(tmp_path, suffix, offse
 @pytest.mark.parametrize("scale", [1e-30, 1e-9, 1, 1e9, 1e30])
 @pytest.mark.filterwarnings("error")
 def test_any_unit_of_length_is_kept_without_a_word(tmp_path, suffix, scale):
-    (SURFACE.with_vertices(scale * V)).write(tmp_path / f"a{suffix}")
+    SURFACE.with_vertices(scale * V).write(tmp_path / f"a{suffix}")
+    written = Surface.read(tmp_path / f"a{suffix}")
+    np.testing.assert_allclose(written.vertices[written.faces], scale * V[F], rtol=1e-6, atol=1e-6 * scale)
 
 
 @FORMATS

@@ -174,6 +174,9 @@ def test_a_map_is_the_same_whichever_side_the_faces_show():
         assert said in found.explanation
         for name in ("p2p", "inverse", "functional_map", "positions", "margin", "orientation"):
             np.testing.assert_array_equal(getattr(found, name), getattr(straight, name), err_msg=f"{name} {said}")
+        # Coordinates belong to the corners of the faces that were given, in their order.
+        given, barycentric = (x, x.turned_over(), y, y.turned_over())[other], found.barycentric
+        np.testing.assert_array_equal(barycentric.corners, given.faces[barycentric.faces])
 
 
 def test_a_symmetry_is_the_same_whichever_side_the_faces_show():
