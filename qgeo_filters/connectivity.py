@@ -11,7 +11,7 @@ import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from qgeo_filters._typing import IntArray
+from qgeo_filters._typing import IndexArray, IntArray
 
 
 def unique_edges(faces: IntArray) -> tuple[IntArray, IntArray, npt.NDArray[np.int64]]:
@@ -121,3 +121,12 @@ def boundary_loops(boundary_edges: IntArray) -> list[IntArray]:
             here = there
         loops.append(np.array(loop, dtype=np.int32))
     return sorted(loops, key=len, reverse=True)
+
+
+def smallest_connected(pairs: IndexArray, n: int) -> IndexArray:
+    """Smallest member of the group of each of n things, of which these pairs (m, 2) belong together; shape (n,)."""
+    graph = sparse.coo_matrix((np.ones(len(pairs), bool), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
+    count, group = connected_components(graph, directed=False)
+    smallest = np.full(count, n, dtype=np.int64)
+    np.minimum.at(smallest, group, np.arange(n))
+    return smallest[group]

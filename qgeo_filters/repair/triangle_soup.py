@@ -8,8 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
 from qgeo_filters import connectivity
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray
@@ -155,15 +153,11 @@ def _collapsed(vertices: np.ndarray, faces: IntArray, report: list[str]) -> Inde
     """Vertex that each vertex becomes when edges of length zero are collapsed, the smallest of each group."""
     a, b = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).T
     zero = (vertices[a] == vertices[b]).all(axis=1)
-    n = len(vertices)
-    if not zero.any():
-        return np.arange(n)
-    graph = sparse.coo_matrix((np.ones(zero.sum(), np.int8), (a[zero], b[zero])), shape=(n, n))
-    count, group = connected_components(graph, directed=False)
-    smallest = np.full(count, n, dtype=np.int64)
-    np.minimum.at(smallest, group, np.arange(n))
-    report.append(f"{counted(n - count, 'vertex', 'vertices')} joined with a neighbour at the same position")
-    return smallest[group]
+    joined = connectivity.smallest_connected(np.column_stack([a, b])[zero], len(vertices))
+    count = int((joined != np.arange(len(vertices))).sum())
+    if count:
+        report.append(f"{counted(count, 'vertex', 'vertices')} joined with a neighbour at the same position")
+    return joined
 
 
 def _without_copies(vertices: FloatArray, faces: IntArray, report: list[str]) -> tuple[IntArray, IndexArray]:

@@ -6,8 +6,6 @@ Edges are joined, not points: what touches in a vertex only stays apart, and wha
 from __future__ import annotations
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from qgeo_filters import connectivity
@@ -65,7 +63,7 @@ def welded(vertices: FloatArray, faces: IntArray) -> tuple[IndexArray, float]:
     joint = np.flatnonzero(key[first] == key[second])
     joint = np.delete(joint, _rims(vertices, faces, half[first[joint]], half[second[joint]], key[first[joint]]))
     pairs = np.concatenate([np.column_stack([ends[first[joint], k], ends[second[joint], k]]) for k in (0, 1)])
-    joined = _smallest(pairs, len(vertices))
+    joined = connectivity.smallest_connected(pairs, len(vertices))
     moved = np.flatnonzero(joined != np.arange(len(vertices)))
     distance = np.linalg.norm(vertices[moved] - vertices[joined[moved]], axis=1)
     return joined, float(distance.max(initial=0.0))
@@ -91,7 +89,7 @@ def _places(vertices: FloatArray, faces: IntArray, chosen: IndexArray) -> IndexA
     other = neighbour[near, column]
     agree = distance[near, column] <= _OF_SHORTEST_EDGE * np.minimum(shortest[near], shortest[other])
     place = np.zeros(len(vertices), dtype=np.int64)
-    place[chosen] = _smallest(np.column_stack([near[agree], other[agree]]), len(points))[number]
+    place[chosen] = connectivity.smallest_connected(np.column_stack([near[agree], other[agree]]), len(points))[number]
     return place
 
 
@@ -136,12 +134,3 @@ def _inwards(vertices: FloatArray, faces: IntArray, half: IndexArray) -> FloatAr
     share = np.divide(np.einsum("ij,ij->i", c - a, along), square, out=np.zeros(len(half)), where=square > 0)
     vector: FloatArray = c - a - share[:, None] * along
     return vector
-
-
-def _smallest(pairs: IndexArray, n: int) -> IndexArray:
-    """Smallest member of the group of each of n things, of which these pairs belong together."""
-    graph = sparse.coo_matrix((np.ones(len(pairs), bool), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
-    count, group = connected_components(graph, directed=False)
-    smallest = np.full(count, n, dtype=np.int64)
-    np.minimum.at(smallest, group, np.arange(n))
-    return smallest[group]

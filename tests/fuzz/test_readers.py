@@ -31,7 +31,7 @@ def test_good_files_are_read(target: str, tmp_path: Path) -> None:
             path = tmp_path / str(number) / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)
-        TARGETS[target].read(tmp_path / str(number), True)
+        assert TARGETS[target].read(tmp_path / str(number), True) is not None
 
 
 @pytest.mark.parametrize("target", TARGETS)
