@@ -62,11 +62,11 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .hosts.repair import repair_surface as repair_surface
     from .matching.compatibility import Compatibility as Compatibility
     from .matching.compatibility import compatibility as compatibility
-    from .matching.correspondence import MatchResult as MatchResult
     from .matching.correspondence import match as match
     from .matching.maps.barycentric import BarycentricMap as BarycentricMap
     from .matching.maps.barycentric import barycentric_map as barycentric_map
     from .matching.match_log import MatchLog as MatchLog
+    from .matching.match_result import MatchResult as MatchResult
     from .matching.parameters import MatchingParameters as MatchingParameters
     from .matching.prepared_shape import PreparedShape as PreparedShape
     from .matching.symmetry import Symmetry as Symmetry
@@ -125,7 +125,7 @@ _HOME = {
     "self_symmetry": "matching.symmetry",
     "Symmetry": "matching.symmetry",
     "match": "matching.correspondence",
-    "MatchResult": "matching.correspondence",
+    "MatchResult": "matching.match_result",
     "MatchLog": "matching.match_log",
     "MatchingParameters": "matching.parameters",
     "PreparedShape": "matching.prepared_shape",

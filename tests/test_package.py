@@ -68,7 +68,7 @@ def test_mypy_sees_the_types_of_the_public_face(tmp_path: Path) -> None:
     """Not ``Any``, which every name was while they came from ``__getattr__`` alone."""
     code = tmp_path / "use.py"
     expected = {
-        "match": "-> qgeo_filters.matching.correspondence.MatchResult",
+        "match": "-> qgeo_filters.matching.match_result.MatchResult",
         "self_symmetry": "-> qgeo_filters.matching.symmetry.Symmetry",
         "quasi_geodesic": "-> qgeo_filters.geodesics.path.paths.GeodesicPath",
         "QuasiGeodesicSpectrum": "-> qgeo_filters.filters.spectral.QuasiGeodesicSpectrum",

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     import numpy as np
 
     from qgeo_filters.cli.job import Job
-    from qgeo_filters.matching.correspondence import MatchResult
     from qgeo_filters.matching.match_log import MatchLog
+    from qgeo_filters.matching.match_result import MatchResult
     from qgeo_filters.surface import Surface
 
 

@@ -15,7 +15,7 @@ from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.geodesics import MetricFilter
 from qgeo_filters.filters.registry import registered
 from qgeo_filters.hosts.dispatch import as_surface
-from qgeo_filters.matching.correspondence import MatchResult
+from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.symmetry import Symmetry
 from qgeo_filters.matching.symmetry_measure import Reading, symmetry_epsilon, symmetry_regions, symmetry_sum
 from qgeo_filters.spectral.spectrum import Spectrum

@@ -18,7 +18,8 @@ from qgeo_filters.fingerprint import content_key
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.methods import method_named
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
-from qgeo_filters.matching.correspondence import MatchResult, match
+from qgeo_filters.matching.correspondence import match
+from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape, check_same_size
 from qgeo_filters.matching.symmetry import Symmetry, self_symmetry

@@ -13,8 +13,8 @@ from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.registry import registered
 from qgeo_filters.hosts.dispatch import as_surface
-from qgeo_filters.matching.correspondence import MatchResult
 from qgeo_filters.matching.maps.barycentric import BarycentricMap, nearest_in_triangles
+from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.surface import Surface
 
 

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Literal, overload
 
 import numpy as np
-import numpy.typing as npt
 from tqdm.auto import tqdm
 
-from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import concerning
 from qgeo_filters.matching.initialization.candidates import Candidate, candidates, mirrored_map
-from qgeo_filters.matching.maps.barycentric import BarycentricMap, barycentric_map
+from qgeo_filters.matching.maps.barycentric import barycentric_map
 from qgeo_filters.matching.maps.functional_map import functional_map
 from qgeo_filters.matching.maps.orientation import orientation
 from qgeo_filters.matching.match_log import MatchLog
+from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import Shape, check_same_size
 from qgeo_filters.matching.problem import MatchProblem
@@ -24,71 +21,10 @@ from qgeo_filters.matching.regions import eigenfunction_regions
 from qgeo_filters.matching.selection.decision import Decision, choose_map
 from qgeo_filters.matching.selection.signatures import hks_agreement
 from qgeo_filters.matching.symmetry import self_symmetry
+from qgeo_filters.matching.verdict import verdict, with_sides
 from qgeo_filters.parallel import default_workers, single_threaded_blas
-from qgeo_filters.repair.winding import Winding
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
 from qgeo_filters.validation import frozen
-
-
-@dataclass(frozen=True, eq=False)
-class MatchResult:
-    """Map from each vertex of X to a vertex of Y.
-
-    Attributes
-    ----------
-    p2p : (n_x,) int64
-        Vertex of Y for each vertex of X.
-    inverse : (n_y,) int64
-        Vertex of X for each vertex of Y.
-    functional_map : (20, 20) float64
-        C in the eigenfunctions of the distances: ``phi_x @ C`` approximates ``phi_y[p2p]``, for unit-area shapes.
-    c_xy : float
-        Distance of the first 20 eigenfunctions, paired along the map (paper, sec. 4.2), see `spectral_distance`; both
-        in the last metric that the shapes were prepared in, which is the lifted one.
-    distortion : (n_x,) float64
-        Mean over points q of |d_X(p, q) - d_Y(Tp, Tq)|, in units of sqrt(area).
-    score : float
-        Mean of the distortion over the area: 0 for an isometry.
-    runner_up : float
-        Mean distortion of the best other map that keeps the orientation; inf if none was proposed.
-    margin : float
-        How many times the chosen map's cost (strain, tearing, folding, unlike parts) the runner-up's is.
-    orientation : float
-        See `orientation`: near 0.7 for a map between shapes of the same handedness; negative if Y is a mirror image.
-    hks_agreement : float
-        Of heat kernels along the map, see `hks_agreement`: above 0.9 between poses of one shape.
-    confident : bool
-        Whether the map stands clear of the others, keeps distances, relates like parts, has one orientation, and left
-        and right can be told: of an open sheet nobody knows which side is out, see `Surface.winding`.
-    explanation : str
-        Why it is confident, or what is ambiguous, in a sentence; and which shape was inside out.
-    regions_x, regions_y : (n_x,), (n_y,) int32
-        Regions of equal number on both shapes, see `eigenfunction_regions`.
-    positions : (n_x, 3) float64
-        X deformed onto Y, in Y's frame and unit.
-    barycentric : BarycentricMap
-        Point within a triangle of Y for each vertex of X: that nearest to its position, near its vertex.
-    log : MatchLog
-        Every map that was proposed, and what became of it: why this one was chosen.
-    """
-
-    p2p: IndexArray
-    inverse: IndexArray
-    functional_map: FloatArray
-    c_xy: float
-    distortion: FloatArray
-    score: float
-    runner_up: float
-    margin: float
-    orientation: float
-    hks_agreement: float
-    confident: bool
-    explanation: str
-    regions_x: npt.NDArray[np.int32]
-    regions_y: npt.NDArray[np.int32]
-    positions: FloatArray
-    barycentric: BarycentricMap
-    log: MatchLog
 
 
 @overload
@@ -217,15 +153,16 @@ def _described(problem: MatchProblem, decision: Decision, mirrored: bool) -> Mat
     distortion = np.abs(x.fps_distances[: len(probes)] - there[:, p2p]).mean(axis=0, dtype=np.float64)
     score = float(x.areas @ distortion)
     turned, alike = orientation(x.unit, y.unit, p2p), hks_agreement(problem, p2p)
-    confident, explanation = _verdict(problem.parameters, score, decision.margin, turned, alike, mirrored)
-    confident, explanation = _with_sides({"X": x.winding, "Y": y.winding}, confident, explanation)
+    confident, explanation = verdict(problem.parameters, score, decision.margin, turned, alike, mirrored)
+    confident, explanation = with_sides({"X": x.winding, "Y": y.winding}, confident, explanation)
     phi_x, phi_y = x.spectrum.eigenfunctions, y.spectrum.eigenfunctions
     flip = np.array([-1.0, 1.0, 1.0]) if mirrored else 1.0
     centre = y.surface.vertex_areas @ y.surface.vertices / y.surface.area
     positions = dense.positions * flip * y.scale + centre
     regions_x, regions_y = eigenfunction_regions(phi_x, phi_y, p2p, x.areas)
-    given = y.surface.turned_over() if y.winding == "inward" else y.surface  # corners in the caller's order
     return MatchResult(
+        x=x.given,
+        y=y.given,
         p2p=frozen(p2p),
         inverse=frozen(dense.inverse),
         functional_map=frozen(functional_map(phi_x, phi_y, p2p, x.areas)),
@@ -241,46 +178,6 @@ def _described(problem: MatchProblem, decision: Decision, mirrored: bool) -> Mat
         regions_x=frozen(regions_x),
         regions_y=frozen(regions_y),
         positions=frozen(positions),
-        barycentric=barycentric_map(positions, p2p, given),
+        barycentric=barycentric_map(positions, p2p, y.given),
         log=problem.log,
     )
-
-
-def _verdict(
-    given: MatchingParameters, score: float, margin: float, turned: float, alike: float, mirrored: bool
-) -> tuple[bool, str]:
-    hand = "Y is matched as a mirror image of X: no map that keeps the orientation keeps distances" if mirrored else ""
-    if score > given.near_isometric:
-        return False, f"distances differ by {score:.3f} sqrt(area) in the mean: the shapes are not near-isometric" + (
-            f"; {hand}" if hand else ""
-        )
-    if abs(turned) < given.settled_orientation:
-        return False, f"the map turns much of the surface over (orientation {turned:.2f}): parts may be mirrored"
-    if alike < given.match_alike:
-        return False, (
-            f"distances are kept to {score:.3f} sqrt(area) in the mean, but the map relates parts of different shape "
-            f"(their heat kernels agree by {alike:.2f} only)"
-        )
-    if margin < given.margin:
-        return False, (
-            f"another map fits nearly as well (its cost is {margin:.2f} times as large): "
-            "the shape looks alike in more than one way"
-        )
-    if mirrored:
-        return False, hand
-    rival = f"the next different map costs {margin:.1f} times as much" if margin < np.inf else "there is no other map"
-    return True, f"distances are kept to {score:.3f} sqrt(area) in the mean; {rival}"
-
-
-def _with_sides(winding: Mapping[str, Winding], confident: bool, explanation: str) -> tuple[bool, str]:
-    """The verdict once it is known which side of each shape is out: what tells left from right."""
-    flat = " and ".join(name for name, side in winding.items() if side == "undetermined")
-    if confident and flat:
-        confident = False
-        explanation += (
-            f"; but which side of {flat} is out cannot be told, an open sheet: the map may be the mirrored one"
-        )
-    inside_out = " and ".join(name for name, side in winding.items() if side == "inward")
-    if inside_out:
-        explanation += f"; {inside_out} had the inside out, which was turned over for the match"
-    return confident, explanation

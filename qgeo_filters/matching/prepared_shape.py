@@ -98,11 +98,12 @@ class PreparedShape:
         if not chosen.curvature_weights:
             raise ParameterError("at least one metric must propose maps: curvature_weights is empty")
         self.parameters = chosen
-        given = as_surface(surface)
-        check_matchable(given, chosen)
-        self.winding = given.winding
+        self.given = as_surface(surface)
+        """The surface that was given: indices of results are those of its vertices and faces."""
+        check_matchable(self.given, chosen)
+        self.winding = self.given.winding
         """Which side of the surface that was given is out; what looks inwards is turned over, vertices as they are."""
-        self.surface = given.turned_over() if given.winding == "inward" else given
+        self.surface = self.given.turned_over() if self.winding == "inward" else self.given
         self.scale = float(np.sqrt(self.surface.area))
         centre = self.surface.vertex_areas @ self.surface.vertices / self.surface.area
         self.unit = Surface((self.surface.vertices - centre) / self.scale, self.surface.faces)

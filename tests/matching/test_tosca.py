@@ -10,7 +10,8 @@ import pytest
 
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error, symmetric_errors
 from qgeo_filters.geodesics.matrix import distances
-from qgeo_filters.matching.correspondence import MatchResult, match
+from qgeo_filters.matching.correspondence import match
+from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.surface import Surface

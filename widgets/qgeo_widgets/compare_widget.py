@@ -24,7 +24,7 @@ from qgeo_widgets.vertex_map import VertexMap
 from qgeo_widgets.viewer import Viewer
 
 if TYPE_CHECKING:
-    from qgeo_filters.matching.correspondence import MatchResult
+    from qgeo_filters.matching.match_result import MatchResult
 
 Pick = tuple[str, int]
 

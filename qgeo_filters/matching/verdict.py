@@ -1,0 +1,51 @@
+"""Whether a map can be trusted, and why, in a sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from qgeo_filters.matching.parameters import MatchingParameters
+from qgeo_filters.repair.winding import Winding
+
+
+def verdict(
+    given: MatchingParameters, score: float, margin: float, turned: float, alike: float, mirrored: bool
+) -> tuple[bool, str]:
+    """Whether a map of this distortion (score), margin, orientation and agreement of heat kernels is sure, and why."""
+    hand = "Y is matched as a mirror image of X: no map that keeps the orientation keeps distances" if mirrored else ""
+    if score > given.near_isometric:
+        return False, f"distances differ by {score:.3f} sqrt(area) in the mean: the shapes are not near-isometric" + (
+            f"; {hand}" if hand else ""
+        )
+    if abs(turned) < given.settled_orientation:
+        return False, f"the map turns much of the surface over (orientation {turned:.2f}): parts may be mirrored"
+    if alike < given.match_alike:
+        return False, (
+            f"distances are kept to {score:.3f} sqrt(area) in the mean, but the map relates parts of different shape "
+            f"(their heat kernels agree by {alike:.2f} only)"
+        )
+    if margin < given.margin:
+        return False, (
+            f"another map fits nearly as well (its cost is {margin:.2f} times as large): "
+            "the shape looks alike in more than one way"
+        )
+    if mirrored:
+        return False, hand
+    rival = f"the next different map costs {margin:.1f} times as much" if margin < np.inf else "there is no other map"
+    return True, f"distances are kept to {score:.3f} sqrt(area) in the mean; {rival}"
+
+
+def with_sides(winding: Mapping[str, Winding], confident: bool, explanation: str) -> tuple[bool, str]:
+    """The verdict once it is known which side of each shape is out: what tells left from right."""
+    flat = " and ".join(name for name, side in winding.items() if side == "undetermined")
+    if confident and flat:
+        confident = False
+        explanation += (
+            f"; but which side of {flat} is out cannot be told, an open sheet: the map may be the mirrored one"
+        )
+    inside_out = " and ".join(name for name, side in winding.items() if side == "inward")
+    if inside_out:
+        explanation += f"; {inside_out} had the inside out, which was turned over for the match"
+    return confident, explanation
