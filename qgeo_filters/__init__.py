@@ -60,6 +60,7 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .hosts.protocol import register_host as register_host
     from .hosts.repair import Repair as Repair
     from .hosts.repair import repair_surface as repair_surface
+    from .io.landmarks import Landmarks as Landmarks
     from .matching.compatibility import Compatibility as Compatibility
     from .matching.compatibility import compatibility as compatibility
     from .matching.correspondence import match as match
@@ -101,6 +102,7 @@ _HOME = {
     "register_host": "hosts.protocol",
     "Host": "hosts.protocol",
     "cache": "caching",
+    "Landmarks": "io.landmarks",
     # functions on a surface, and what they return
     "differential_coordinates": "differential.coordinates",
     "vertex_normals": "differential.normals",

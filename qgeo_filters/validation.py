@@ -128,12 +128,12 @@ def checked_index(index: int, count: int, name: str) -> int:
     return int(index)
 
 
-def checked_indices(indices: npt.ArrayLike, count: int, name: str) -> npt.NDArray[np.int64]:
-    """One-dimensional array of vertex indices in range, or `MeshError`."""
+def checked_indices(indices: npt.ArrayLike, count: int, name: str, *, missing: bool = False) -> npt.NDArray[np.int64]:
+    """One-dimensional array of vertex indices in range, or `MeshError`; with ``missing`` -1 stands for none."""
     array = np.atleast_1d(np.asarray(indices))
     if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
         raise MeshError(f"{name} must be vertex indices in one dimension, got {array.dtype} of shape {array.shape}")
-    bad = np.flatnonzero((array < 0) | (array >= count))
+    bad = np.flatnonzero((array < (-1 if missing else 0)) | (array >= count))
     if bad.size:
         raise MeshError(
             f"{name}[{bad[0]}] is vertex {array[bad[0]]}, but there are {count} vertices, numbered from 0 "

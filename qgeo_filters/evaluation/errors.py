@@ -11,10 +11,10 @@ import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import ParameterError
-from qgeo_filters.geodesics.matrix import distance_matrix, distances
+from qgeo_filters.geodesics.matrix import distance_matrix
+from qgeo_filters.geodesics.pairs import paired_distances
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.parallel import worker_count
-from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices, frozen
 
 Normalization = Literal["sqrt_area", "diameter", "none"]
@@ -125,7 +125,7 @@ def geodesic_error(
     if matrix is None and normalization == "diameter":
         matrix = distance_matrix(y, workers=threads)
     if matrix is None:
-        errors = _between(y, image, target, threads)
+        errors = paired_distances(y, image, target, workers=threads)
     else:
         if np.shape(matrix) != (y.n_vertices, y.n_vertices):
             raise ParameterError(f"the matrix has shape {np.shape(matrix)}, expected {(y.n_vertices, y.n_vertices)}")
@@ -183,18 +183,6 @@ def error_curve(errors: npt.ArrayLike, thresholds: npt.ArrayLike) -> FloatArray:
     """Share of points, 0 to 1, with an error of at most each threshold; the shape of ``thresholds``."""
     values = np.sort(_checked_errors(errors))
     return np.searchsorted(values, np.asarray(thresholds, dtype=np.float64), side="right") / len(values)
-
-
-def _between(y: Surface, image: npt.NDArray[np.int64], target: npt.NDArray[np.int64], workers: int) -> FloatArray:
-    """Distance between each pair of vertices, with as few sources as one side of the pairs has."""
-    errors = np.zeros(len(image))
-    wrong = np.flatnonzero(image != target)
-    if not wrong.size:
-        return errors
-    ends = sorted((image[wrong], target[wrong]), key=lambda side: len(np.unique(side)))
-    sources, row = np.unique(ends[0], return_inverse=True)
-    errors[wrong] = distances(y, sources, workers=workers)[row, ends[1]]
-    return errors
 
 
 def _checked_errors(errors: npt.ArrayLike) -> FloatArray:

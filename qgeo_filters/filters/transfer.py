@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-import igl
 import numpy as np
 
 from qgeo_filters.errors import MeshError, ParameterError
@@ -13,7 +12,8 @@ from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.registry import registered
 from qgeo_filters.hosts.dispatch import as_surface
-from qgeo_filters.matching.maps.barycentric import BarycentricMap, nearest_in_triangles
+from qgeo_filters.matching.maps.barycentric import BarycentricMap
+from qgeo_filters.matching.maps.closest_points import closest_points
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.surface import Surface
 
@@ -97,7 +97,7 @@ class TransferAttributes(Filter):
     def _place(self, surface: Surface, source: Surface, progress: bool) -> BarycentricMap:
         """Point of the source for each vertex."""
         if self.correspondence is False:
-            return closest_points(surface, source)
+            return closest_points(surface.vertices, source)
         if self.correspondence is True:
             return stages.correspondence_of(surface, source, True, progress).barycentric
         place = self.correspondence.barycentric
@@ -107,15 +107,3 @@ class TransferAttributes(Filter):
                 f"mesh has {surface.n_vertices} vertices and the source {source.n_faces} triangles"
             )
         return place
-
-
-def closest_points(surface: Surface, source: Surface) -> BarycentricMap:
-    """Point of the source that is closest in space to each vertex of the surface."""
-    # libigl's tree compares with absolute tolerances: give it a surface of unit size.
-    centre, unit = source.vertices.mean(axis=0), np.sqrt(source.area) or 1.0
-    vertices = (source.vertices - centre) / unit
-    faces = source.faces.astype(np.int64)
-    points = (surface.vertices - centre) / unit
-    _, face, _ = igl.point_mesh_squared_distance(points, vertices, faces)
-    coordinates, _ = nearest_in_triangles(points, vertices[faces[face]])
-    return BarycentricMap(face.astype(np.int64), faces[face], coordinates)

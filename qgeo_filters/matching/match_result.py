@@ -1,30 +1,40 @@
-"""What `match` returns: the map from X to Y, how good it is, and why it was chosen."""
+"""What `match` returns: the map from X to Y, how good it is, and why it was chosen; and what one does with it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+from os import PathLike
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
-from qgeo_filters.matching.maps.barycentric import BarycentricMap
+from qgeo_filters.errors import ParameterError
+from qgeo_filters.geodesics.pairs import paired_distances
+from qgeo_filters.io.landmarks import Landmarks
+from qgeo_filters.matching import map_files, map_landmarks, map_transfer
+from qgeo_filters.matching.maps.barycentric import BarycentricMap, nearest_around
 from qgeo_filters.matching.match_log import MatchLog
+from qgeo_filters.matching.match_story import story
+from qgeo_filters.repair.welding import welded
 from qgeo_filters.surface import Surface
+from qgeo_filters.validation import checked_indices
 
 
 @dataclass(frozen=True, eq=False)
 class MatchResult:
-    """Map from each vertex of X to a vertex of Y.
+    """Map from each vertex of X to a vertex of Y, and what people do with one.
 
     Attributes
     ----------
     x, y : Surface
         The shapes as they were given.
     p2p : (n_x,) int64
-        Vertex of Y for each vertex of X.
+        Vertex of Y for each vertex of X; -1: no partner.
     inverse : (n_y,) int64
-        Vertex of X for each vertex of Y.
+        Vertex of X for each vertex of Y; -1: no partner.
     functional_map : (20, 20) float64
         C in the eigenfunctions of the distances: ``phi_x @ C`` approximates ``phi_y[p2p]``, for unit-area shapes.
     c_xy : float
@@ -55,6 +65,14 @@ class MatchResult:
         Point within a triangle of Y for each vertex of X: that nearest to its position, near its vertex.
     log : MatchLog
         Every map that was proposed, and what became of it: why this one was chosen.
+
+    Examples
+    --------
+    >>> found = qg.match("template.ply", "scan.ply")
+    >>> labels = found.transfer(template_labels)  # whole numbers or text: by majority
+    >>> thickness = found.transfer(scan_thickness, to="x")  # numbers: interpolated
+    >>> qg.write_landmarks("scan.fcsv", found.landmarks(qg.read_landmarks("template.fcsv")))
+    >>> found.to_csv("map.csv")
     """
 
     x: Surface
@@ -76,3 +94,192 @@ class MatchResult:
     positions: FloatArray
     barycentric: BarycentricMap
     log: MatchLog
+
+    @cached_property
+    def inverse_barycentric(self) -> BarycentricMap:
+        """Point within a triangle of X for each vertex of Y: where the deformed X is nearest, near its `inverse`."""
+        joined, _ = welded(self.x.vertices, self.x.faces)
+        return nearest_around(self.y.vertices, self.inverse, self.positions, self.x.faces, joined)
+
+    def transfer(
+        self,
+        values: npt.ArrayLike,
+        to: Literal["y", "x"] = "y",
+        *,
+        interpolate: bool | None = None,
+        missing: Any = None,
+    ) -> np.ndarray:
+        """Values of the vertices of one shape on those of the other.
+
+        Parameters
+        ----------
+        values : array-like, shape (n, ...)
+            One for each vertex of the shape that they come from: numbers, vectors (by their components), colours,
+            texture coordinates; labels that are whole numbers, booleans or text.
+        to : {"y", "x"}
+            "y": values of X on Y, "x": values of Y on X.
+        interpolate : bool, optional
+            Whether values are interpolated within a triangle, or taken for labels. By default floating-point numbers
+            are interpolated; for whole numbers that measure something, such as colours from 0 to 255, say True.
+        missing : optional
+            What stands at vertices without a partner; by default NaN, -1, False, "" or None, by the type of the values.
+
+        Returns
+        -------
+        (m, ...) array
+            Of the values' type; whole numbers that were interpolated are float64. A label is that of most of the area
+            which is mapped to the vertex; where nothing is, that of the largest part of the triangle it lies in.
+
+        Raises
+        ------
+        ParameterError
+            Not one value for each vertex; text that is to be interpolated; unsigned labels where a partner is missing,
+            and ``missing`` is not given.
+
+        Notes
+        -----
+        Vectors are not turned along with the surface. Texture coordinates are interpolated within one triangle of the
+        source, on one side of every seam, so that each vertex gets a true place of the texture; a triangle of the
+        target that lies across a seam has corners on both of its sides, and shows the texture between them squeezed.
+        Colours do not know seams: transfer those where that matters.
+
+        Examples
+        --------
+        >>> found.transfer(x.attributes["organ"])  # (n_y,) labels
+        >>> found.transfer(y.vertices, to="x")  # (n_x, 3) points of Y
+        >>> found.transfer(rgba, interpolate=True, missing=128).astype(np.uint8)
+        """
+        source, target = ("X", "Y") if self._forward(to) else ("Y", "X")
+        here, there = (self.x, self.y) if source == "X" else (self.y, self.x)
+        images, place = (self.p2p, self.inverse_barycentric) if source == "X" else (self.inverse, self.barycentric)
+        array = map_transfer.checked_values(values, here.n_vertices, there.n_vertices, source, target)
+        if interpolate is None:
+            interpolate = array.dtype.kind in "fc"
+        if not interpolate:
+            return map_transfer.elected(array, here.vertex_areas, images, place, missing)
+        if array.dtype.kind not in "fciub":
+            raise ParameterError(f"values of type {array.dtype} cannot be interpolated")
+        return map_transfer.interpolated(array, place, missing)
+
+    def landmarks(
+        self, points: Landmarks | npt.ArrayLike, to: Literal["y", "x"] = "y", *, tolerance: float = 0.05
+    ) -> Landmarks:
+        """Landmarks of one shape on the other.
+
+        Parameters
+        ----------
+        points : Landmarks, array-like of int (k,), or array-like (k, 3)
+            Of X, or of Y with ``to="x"``: as from a file (`read_landmarks`), as vertices, or as points, which are
+            moved to the closest point of the surface. -1 and NaN: not known.
+        to : {"y", "x"}
+            "y": landmarks of X on Y, "x": landmarks of Y on X.
+        tolerance : float
+            How far from the surface a point may be, as a share of the diagonal of its bounding box.
+
+        Returns
+        -------
+        Landmarks
+            Points on the surface and the vertices nearest to them, under the same names; NaN and -1 where a landmark
+            is not known or has no partner.
+
+        Raises
+        ------
+        ParameterError
+            A landmark off the surface: which one, and how far; a vertex out of range.
+
+        Examples
+        --------
+        >>> found.landmarks([17, 240]).vertices
+        array([ 31, 205])
+        >>> found.landmarks([[0.1, 0.7, 0.2]]).points
+        array([[0.12, 0.69, 0.25]])
+        """
+        given = map_landmarks.as_landmarks(points)
+        if self._forward(to):
+            place = map_landmarks.located(given, self.x, "X", tolerance)
+            image = map_landmarks.images_on_target(place, self.positions, self.p2p, self.y)
+        else:
+            place = map_landmarks.located(given, self.y, "Y", tolerance)
+            near = place.nearest_corner
+            starts = np.where(near >= 0, self.inverse[near], -1)
+            joined, _ = welded(self.x.vertices, self.x.faces)
+            points = place.pulled_back(self.y.vertices)
+            image = nearest_around(points, starts, self.positions, self.x.faces, joined)
+        found = map_landmarks.landmarks_at(given.names, image, self.y if to == "y" else self.x)
+        return Landmarks(found.names, found.points, found.vertices, given.frame)
+
+    def error(self, truth: npt.ArrayLike, *, workers: int | None = None) -> FloatArray:
+        """Geodesic distance on Y from each image to the true one, in units of sqrt(area) of Y, shape (n_x,).
+
+        Parameters
+        ----------
+        truth : array-like of int, shape (n_x,)
+            True vertex of Y for each vertex of X; -1: not known.
+        workers : int, optional
+            Threads; all cores by default.
+
+        Returns
+        -------
+        (n_x,) float64
+            NaN where the truth is not known, or the map has no partner: ``np.nanmean`` is the mean over the rest.
+
+        Raises
+        ------
+        ParameterError, MeshError
+            Not that many vertices, or vertices out of range.
+
+        See Also
+        --------
+        qgeo_filters.evaluation.geodesic_error : the same of any map; `symmetric_errors` also of the mirrored truth.
+        """
+        target = checked_indices(truth, self.y.n_vertices, "truth", missing=True)
+        if len(target) != len(self.p2p):
+            raise ParameterError(f"truth must hold a vertex for each of the {len(self.p2p)} of X, got {len(target)}")
+        known = (target >= 0) & (self.p2p >= 0)
+        errors = np.full(len(target), np.nan)
+        lengths = paired_distances(self.y, self.p2p[known], target[known], workers=workers)
+        errors[known] = lengths / np.sqrt(self.y.area)
+        return errors
+
+    def to_csv(self, path: str | PathLike[str]) -> None:
+        """Write a table with a row for each vertex of X.
+
+        Its columns are ``x_vertex`` and ``y_vertex`` (from 0; -1: no partner), the point of Y that the vertex is mapped
+        to (``y_x``, ``y_y``, ``y_z``), its triangle of Y and the weights of the triangle's corners (``y_face``,
+        ``weight_0`` to ``weight_2``), and the ``distortion`` there, in units of sqrt(area). Numbers that there are not
+        are empty cells, which ``pandas.read_csv`` reads as NaN.
+        """
+        map_files.write_map_table(path, self.p2p, self.barycentric, self.y, self.distortion)
+
+    def to_npz(self, path: str | PathLike[str]) -> None:
+        """Write everything, both shapes included, to an .npz file that `from_npz` reads and ``numpy.load`` opens.
+
+        The arrays have the names of the attributes; ``x_vertices``, ``x_faces``, ``y_vertices`` and ``y_faces`` are the
+        shapes, ``barycentric_faces``, ``barycentric_corners`` and ``barycentric_coordinates`` the map into triangles.
+
+        Raises
+        ------
+        ParameterError
+            A shape with an attribute of Python objects.
+        """
+        map_files.write_arrays(path, map_files.arrays_of(self))
+
+    @classmethod
+    def from_npz(cls, path: str | PathLike[str]) -> MatchResult:
+        """The result that `to_npz` wrote, or ``qgeo match`` as result.npz.
+
+        Raises
+        ------
+        MeshError
+            A file that is none, or is damaged; the message starts with the path.
+        """
+        return cls(**map_files.read_match(path, cls))
+
+    def __repr__(self) -> str:
+        return story(self)
+
+    @staticmethod
+    def _forward(to: str) -> bool:
+        if to not in ("x", "y"):
+            raise ParameterError(f"to must be 'y' (values of X on Y) or 'x' (values of Y on X), got {to!r}")
+        return to == "y"

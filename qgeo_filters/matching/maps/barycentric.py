@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from scipy import sparse
 
-from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters._typing import FloatArray, IndexArray, IntArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
-from qgeo_filters.surface import Surface
+from qgeo_filters.matching.maps.missing_values import with_missing
+from qgeo_filters.repair.welding import welded
 from qgeo_filters.validation import checked_indices, frozen
 
 _SIDES = ((0, 1), (1, 2), (2, 0))
+_PAIRS = 1 << 18  # of a point and a triangle that are measured at once: some hundred bytes each
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,46 +27,58 @@ class BarycentricMap:
     Attributes
     ----------
     faces : (n_x,) int64
-        Triangle of Y.
+        Triangle of Y; -1: no point.
     corners : (n_x, 3) int64
-        Its vertices.
+        Its vertices; -1 where there is no point.
     coordinates : (n_x, 3) float64
-        Weights of the corners, not negative, with sum 1.
+        Weights of the corners, not negative, with sum 1; NaN where there is no point.
     """
 
     faces: IndexArray
     corners: IndexArray
     coordinates: FloatArray
 
+    @classmethod
+    def unknown(cls, count: int) -> BarycentricMap:
+        """Map without any point, its arrays open for those that are found."""
+        return cls(
+            np.full(count, -1, dtype=np.int64), np.full((count, 3), -1, dtype=np.int64), np.full((count, 3), np.nan)
+        )
+
     @property
     def nearest_corner(self) -> IndexArray:
-        """Corner of largest weight, (n_x,)."""
+        """Corner of largest weight, (n_x,); -1 where there is no point."""
         return np.take_along_axis(self.corners, self.coordinates.argmax(axis=1)[:, None], axis=1)[:, 0]
 
     def pulled_back(self, values: npt.ArrayLike) -> np.ndarray:
         """Values of Y, (n_y, ...), at the images of the vertices of X, (n_x, ...).
 
         Floating-point values are interpolated. Whole numbers (labels, indices) and booleans are taken from the
-        nearest corner, since an interpolated label means nothing.
+        nearest corner, since an interpolated label means nothing. Where there is no point stand NaN, -1, False or "".
+
+        Raises
+        ------
+        ParameterError
+            Unsigned numbers, of which none says "no point", where a point is missing.
         """
         array = np.asarray(values)
         if array.dtype.kind in "fc":
             return np.einsum("ij,ij...->i...", self.coordinates, array[self.corners])
-        return array[self.nearest_corner]
+        return with_missing(array[self.nearest_corner], self.faces < 0)
 
 
 def barycentric_map(positions: npt.ArrayLike, p2p: npt.ArrayLike, y: SurfaceLike, rings: int = 2) -> BarycentricMap:
     """Point of Y nearest to each position, of those around a vertex that is known to be near on the surface.
 
     Sheets that pass close to each other in space (fingers, a tail on a flank) are kept apart by looking at the
-    triangles around the vertex only.
+    triangles around the vertex only; across a seam where the mesh is not welded these are looked at all the same.
 
     Parameters
     ----------
     positions : array-like, shape (n_x, 3)
         X deformed onto Y, as in `MatchResult.positions`.
     p2p : array-like of int, shape (n_x,)
-        Vertex of Y for each vertex of X.
+        Vertex of Y for each vertex of X; -1: none, and no point is looked for.
     y : Surface, or whatever `as_surface` takes
     rings : int
         How many rings of triangles around the vertex are looked at.
@@ -79,29 +94,65 @@ def barycentric_map(positions: npt.ArrayLike, p2p: npt.ArrayLike, y: SurfaceLike
     """
     y = as_surface(y)
     points = np.asarray(positions, dtype=np.float64)
-    images = checked_indices(p2p, y.n_vertices, "p2p")
+    images = checked_indices(p2p, y.n_vertices, "p2p", missing=True)
     if points.shape != (len(images), 3):
         raise ParameterError(f"positions have shape {points.shape}, expected ({len(images)}, 3): one for each of p2p")
     if rings < 1:
         raise ParameterError(f"at least one ring of triangles must be looked at, got {rings}")
-    around = _faces_around(y, rings)[images]
-    count = np.diff(around.indptr)
-    if not count.all():
-        raise ParameterError(f"vertex {images[count.argmin()]} of Y, to which p2p leads, has no triangle")
-    owner, face = np.repeat(np.arange(len(points)), count), around.indices.astype(np.int64)
-    weights, gap = nearest_in_triangles(points[owner], y.vertices[y.faces[face]])
-    # The nearest triangle of each owner, the first of equals.
-    order = np.lexsort((face, gap, owner))
-    best = order[np.concatenate([[0], np.cumsum(count)[:-1]])]
-    return BarycentricMap(frozen(face[best]), frozen(y.faces[face[best]].astype(np.int64)), frozen(weights[best]))
+    without = np.flatnonzero((images >= 0) & np.isin(images, y.unreferenced_vertices))
+    if without.size:
+        raise ParameterError(f"vertex {images[without[0]]} of Y, to which p2p leads, has no triangle")
+    return nearest_around(points, images, y.vertices, y.faces, welded(y.vertices, y.faces)[0], rings)
 
 
-def _faces_around(y: Surface, rings: int) -> sparse.csr_matrix:
-    """Incidence (n, m) of vertices with the triangles of so many rings around them."""
-    m = y.n_faces
+def nearest_around(
+    points: FloatArray,
+    starts: IndexArray,
+    vertices: FloatArray,
+    faces: IntArray,
+    joined: IndexArray,
+    rings: int = 2,
+) -> BarycentricMap:
+    """Nearest point to each point, (k, 3), in the rings of triangles around a vertex that is given for each, (k,).
+
+    Parameters
+    ----------
+    vertices : (n, 3) float64
+        Triangles with a corner that is not finite are no triangles.
+    joined : (n,) int64
+        Vertices of one place, see `welded`: the rings go across seams.
+
+    Notes
+    -----
+    No point where the start is -1, the point is not finite, or there is no triangle around the start.
+    """
+    finite = np.asarray(np.isfinite(vertices).all(axis=1))
+    around = _faces_around(joined[faces], len(vertices), finite[faces].all(axis=1), rings)
+    looked = np.flatnonzero((starts >= 0) & np.isfinite(points).all(axis=1))
+    count = np.diff(around.indptr)[joined[starts[looked]]]
+    looked, count = looked[count > 0], count[count > 0]
+    place = BarycentricMap.unknown(len(points))
+    piece = (np.cumsum(count) - 1) // _PAIRS
+    for chosen in np.split(looked, np.flatnonzero(np.diff(piece)) + 1) if looked.size else []:
+        rows = around[joined[starts[chosen]]]
+        owner, face = np.repeat(np.arange(len(chosen)), np.diff(rows.indptr)), rows.indices.astype(np.int64)
+        weights, gap = nearest_in_triangles(points[chosen][owner], vertices[faces[face]])
+        # The nearest triangle of each owner, the first of equals.
+        best = np.lexsort((face, gap, owner))[rows.indptr[:-1]]
+        place.faces[chosen] = face[best]
+        place.coordinates[chosen] = weights[best]
+    known = place.faces >= 0
+    place.corners[known] = faces[place.faces[known]]
+    return BarycentricMap(frozen(place.faces), frozen(place.corners), frozen(place.coordinates))
+
+
+def _faces_around(faces: IndexArray, n: int, usable: Any, rings: int) -> sparse.csr_matrix:
+    """Incidence (n, m) of vertices with the usable triangles of so many rings around them."""
+    m = len(faces)
     corner = np.repeat(np.arange(m), 3)
-    incident = sparse.csr_matrix((np.ones(3 * m, dtype=bool), (y.faces.ravel(), corner)), shape=(y.n_vertices, m))
-    around = incident
+    incident = sparse.csr_matrix((np.repeat(usable, 3), (faces.ravel(), corner)), shape=(n, m))
+    incident.eliminate_zeros()
+    around: Any = incident
     for _ in range(rings - 1):
         around = (incident @ incident.T) @ around
     return sparse.csr_matrix(around)

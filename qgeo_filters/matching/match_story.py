@@ -1,0 +1,35 @@
+"""What a match tells of itself in a few lines."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from qgeo_filters.matching.match_result import MatchResult
+
+
+def story(found: MatchResult) -> str:
+    """Sizes, whether the map can be trusted and why, how it distorts, and who is without partner."""
+    lines = [
+        f"MatchResult: {found.x.n_vertices} vertices of X on {found.y.n_vertices} of Y",
+        f"  {'confident' if found.confident else 'NOT CONFIDENT'}: {found.explanation}",
+        f"  distortion {found.score:.4f} sqrt(area) in the mean, {_largest(found.distortion):.4f} at most; "
+        f"{_rivals(found)}",
+        f"  orientation {found.orientation:.2f}, heat kernels agree to {found.hks_agreement:.2f}",
+    ]
+    shares = {"X": np.mean(found.p2p < 0), "Y": np.mean(found.inverse < 0)}
+    without = [f"{100 * share:.1f} % of the vertices of {name}" for name, share in shares.items() if share]
+    return "\n".join([*lines, f"  no partner: {' and '.join(without)}"] if without else lines)
+
+
+def _largest(distortion: np.ndarray) -> float:
+    known = distortion[np.isfinite(distortion)]
+    return float(known.max()) if known.size else np.nan
+
+
+def _rivals(found: MatchResult) -> str:
+    if not np.isfinite(found.runner_up):
+        return "no other map was proposed"
+    return f"the best other map: {found.runner_up:.4f}, at {found.margin:.2f} times the cost"
