@@ -15,5 +15,5 @@ SingleArray = npt.NDArray[np.float32]
 IndexArray = npt.NDArray[np.int64]
 #: Tables of a mesh: faces, edges, half-edges, labels of vertices.
 IntArray = npt.NDArray[np.int32]
-#: Whether a mesh is repaired as it is read; "force" goes through with a repair that removes much of it.
-RepairOption: TypeAlias = bool | Literal["force"]
+#: Whether a mesh is repaired as it is read; "auto": where something is wrong; "force": whatever has to be removed.
+RepairOption: TypeAlias = bool | Literal["auto", "force"]

@@ -16,7 +16,8 @@ from qgeo_filters._typing import FloatArray, IndexArray, IntArray, RepairOption
 from qgeo_filters.errors import DisconnectedError, MeshError, NonManifoldError
 from qgeo_filters.io.formats import path_in_errors, read_raw, write_raw
 from qgeo_filters.io.raw_mesh import RawMesh
-from qgeo_filters.repair.triangle_soup import MOST_AREA_LOST, repaired_mesh
+from qgeo_filters.repair.sound import sound_mesh
+from qgeo_filters.repair.triangle_soup import MOST_AREA_LOST, most_lost, repaired_mesh
 from qgeo_filters.repair.welding import not_welded, welded
 from qgeo_filters.repair.winding import Winding, winding
 from qgeo_filters.triangle_geometry import face_crosses, unit_normals
@@ -113,7 +114,7 @@ class Surface:
         """
         raw = read_raw(path, repair=bool(checked_repair(repair)))
         with path_in_errors(path):
-            return cls.from_raw(repaired_mesh(raw, force=repair == "force").mesh if repair else raw)
+            return cls.from_raw(repaired_mesh(sound_mesh(raw), most_lost=most_lost(repair)).mesh if repair else raw)
 
     def write(self, path: str | PathLike[str]) -> None:
         """Write to a file, atomically; PLY keeps every attribute, others drop them with a warning, see `io.formats`."""

@@ -94,9 +94,9 @@ def checked_attributes(attributes: Mapping[str, npt.ArrayLike], n_vertices: int)
 
 def checked_repair(repair: RepairOption) -> RepairOption:
     """The option as it is, or `ParameterError`."""
-    if isinstance(repair, (bool, np.bool_)) or (isinstance(repair, str) and repair == "force"):
+    if isinstance(repair, (bool, np.bool_)) or (isinstance(repair, str) and repair in ("auto", "force")):
         return repair
-    raise ParameterError(f"repair must be True, False or 'force', got {repair!r}")
+    raise ParameterError(f"repair must be 'auto', True, False or 'force', got {repair!r}")
 
 
 def checked_count(value: int, low: int, high: int | None, name: str, most: str | None = None) -> int:

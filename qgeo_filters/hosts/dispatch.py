@@ -17,11 +17,20 @@ from qgeo_filters._typing import RepairOption
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.arrays import is_pair, is_path, raw_mesh
 from qgeo_filters.hosts.protocol import host_of
-from qgeo_filters.hosts.repair import repair_surface
+from qgeo_filters.hosts.repair import Repair, needs_repair, repaired_within
+from qgeo_filters.repair.triangle_soup import most_lost
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_attributes, checked_repair
 
-__all__ = ["SurfaceLike", "as_surface", "is_host_mesh", "raw_mesh", "with_positions", "write_back"]
+__all__ = [
+    "SurfaceLike",
+    "as_surface",
+    "is_host_mesh",
+    "raw_mesh",
+    "surface_and_repair",
+    "with_positions",
+    "write_back",
+]
 
 #: What `as_surface` takes; meshes of other libraries have no type in common.
 SurfaceLike: TypeAlias = Union[Surface, tuple[npt.ArrayLike, npt.ArrayLike], str, "os.PathLike[str]", Any]
@@ -39,9 +48,10 @@ def as_surface(obj: SurfaceLike, *, repair: RepairOption = False) -> Surface:
         Never changed. Per-vertex attributes come along: ``mesh.vertex[...]`` of Open3D (positions apart;
         normals and colours under their names), custom scalar and point attributes of PyMeshLab,
         ``point_data`` of PyVista, ``vertex_attributes`` of trimesh.
-    repair : bool or "force"
+    repair : bool, "auto" or "force"
         Make the mesh manifold and one piece; polygons are triangulated. More than a hundredth of the area is removed
-        only with "force". To learn what was changed and to carry values back, call `repair_surface` instead.
+        only with "force". With "auto" only where something is wrong, see `surface_and_repair`. To learn what was
+        changed and to carry values back, call `repair_surface` instead.
 
     Raises
     ------
@@ -49,12 +59,44 @@ def as_surface(obj: SurfaceLike, *, repair: RepairOption = False) -> Surface:
         What is no mesh, or a mesh that cannot be held; the message says what, where and how often.
     """
     if checked_repair(repair):
-        return repair_surface(obj, force=repair == "force").surface
+        given, repaired = surface_and_repair(obj, repair)
+        return given if repaired is None else repaired.surface
     if isinstance(obj, Surface):
         return obj
     if is_path(obj):
         return Surface.read(obj)
     return Surface.from_raw(raw_mesh(obj))
+
+
+def surface_and_repair(obj: SurfaceLike, repair: RepairOption) -> tuple[Surface, Repair | None]:
+    """Surface of a mesh object on its own vertices, and its repair, None where nothing was changed.
+
+    Parameters
+    ----------
+    obj : see `as_surface`
+    repair : bool, "auto" or "force"
+        With "auto" a mesh is repaired that no `Surface` can hold, that is not manifold, not in one piece, not welded,
+        that has edges of length zero, or neighbouring faces that disagree on which side is out. Pieces
+        of up to a tenth of the area together are taken for crumbs and removed; what has more is refused.
+
+    Raises
+    ------
+    MeshError
+        What is no mesh, or cannot be repaired.
+    """
+    if not checked_repair(repair):
+        return as_surface(obj), None
+    if repair == "auto":
+        try:
+            surface = as_surface(obj)
+        except MeshError:
+            pass  # whoever repairs it says what cannot be repaired
+        else:
+            if not needs_repair(surface):
+                return surface, None
+            obj = surface
+    found = repaired_within(obj, most_lost(repair))
+    return found.given, found if found.changed else None
 
 
 def write_back(host: Any, surface: Surface | None, attributes: Mapping[str, npt.ArrayLike]) -> Any:

@@ -13,8 +13,10 @@ from qgeo_filters._typing import IndexArray
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.arrays import is_path, raw_mesh
 from qgeo_filters.io.formats import path_in_errors
-from qgeo_filters.repair.triangle_soup import repaired_mesh
+from qgeo_filters.repair.sound import sound_mesh
+from qgeo_filters.repair.triangle_soup import Pieces, most_lost, repaired_mesh
 from qgeo_filters.surface import Surface
+from qgeo_filters.validation import frozen
 
 _log = logging.getLogger(__name__)
 
@@ -25,6 +27,9 @@ class Repair:
 
     Attributes
     ----------
+    given : Surface
+        The mesh as it was, with all of its vertices. Where no `Surface` can hold it: without the faces that name a
+        missing, not finite or repeated vertex, vertices that are not finite in the middle of the others.
     surface : Surface
         Manifold and in one piece, with the attributes of the original vertices.
     origin : (n_new,) int64
@@ -32,13 +37,20 @@ class Repair:
     vertex_of_original : (n_old,) int64
         Vertex that stands for each original one, -1 where it is gone. Several may share one, where they were joined: it
         has the position and the attributes of the first.
+    face_origin : (m_new,) int64
+        Face of ``given`` that each face was.
+    turned : (m_new,) bool
+        Whether it was turned over: its corners are those of that face from last to first.
     report : tuple of str
         What was changed, one sentence each with its count; empty if nothing was.
     """
 
+    given: Surface
     surface: Surface
     origin: IndexArray
     vertex_of_original: IndexArray
+    face_origin: IndexArray
+    turned: npt.NDArray[np.bool_]
     report: tuple[str, ...]
 
     @property
@@ -63,7 +75,7 @@ class Repair:
         return back
 
 
-def repair_surface(obj: Any, *, force: bool = False) -> Repair:
+def repair_surface(obj: Any, *, force: bool = False, pieces: Pieces = "largest") -> Repair:
     """Manifold mesh in one piece, made from anything that `as_surface` takes.
 
     In this order: polygons are triangulated; faces that name a missing, not finite or repeated vertex are
@@ -82,6 +94,8 @@ def repair_surface(obj: Any, *, force: bool = False) -> Repair:
     force : bool
         Go through with a repair that removes more than a hundredth of the area, or more than half of the faces because
         their vertices are missing or not finite: what ``repair="force"`` does elsewhere.
+    pieces : {"largest", "all"}
+        Whether only the piece of largest area stays, or all of them, each manifold.
 
     Returns
     -------
@@ -93,11 +107,38 @@ def repair_surface(obj: Any, *, force: bool = False) -> Repair:
         No faces are left, so much would be removed that it must be forced (the message says what and how many pieces
         there are), or the arrays are no triangle list at all.
     """
+    return repaired_within(obj, most_lost("force" if force else True), pieces)
+
+
+def repaired_within(obj: Any, most: float, pieces: Pieces = "largest") -> Repair:
+    """The same where this share of the area may be removed."""
     raw = raw_mesh(obj, repair=True)
     with path_in_errors(obj if is_path(obj) else None):
-        repaired = repaired_mesh(raw, force=force)
+        sound = sound_mesh(raw)
+        repaired = repaired_mesh(sound, most_lost=most, pieces=pieces)
+        given = obj if isinstance(obj, Surface) else Surface.from_raw(sound.raw)
         unchanged = isinstance(obj, Surface) and not repaired.report
         surface = obj if unchanged else Surface.from_raw(repaired.mesh)  # itself: with all that it has computed already
     for change in repaired.report:
         _log.info("repair: %s", change)
-    return Repair(surface, repaired.origin, repaired.vertex_of_original, repaired.report)
+    return Repair(
+        given,
+        surface,
+        repaired.origin,
+        repaired.vertex_of_original,
+        # Of the faces that `given` has: a Surface has none that are not sound.
+        frozen(np.searchsorted(sound.face_origin, repaired.face_origin)),
+        repaired.turned,
+        repaired.report,
+    )
+
+
+def needs_repair(surface: Surface) -> bool:
+    """Whether something is wrong that `repair_surface` may mend; a closed surface that is inside out is not."""
+    return (
+        not surface.is_manifold
+        or surface.components[0] > 1
+        or not surface.is_oriented
+        or bool((surface.edge_lengths == 0).any())
+        or surface.unwelded_vertices.size > 0
+    )

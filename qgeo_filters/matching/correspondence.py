@@ -7,7 +7,9 @@ from typing import Literal, overload
 import numpy as np
 from tqdm.auto import tqdm
 
+from qgeo_filters._typing import RepairOption
 from qgeo_filters.errors import concerning
+from qgeo_filters.matching.given_vertices import match_on_given
 from qgeo_filters.matching.initialization.candidates import Candidate, candidates, mirrored_map
 from qgeo_filters.matching.maps.barycentric import barycentric_map
 from qgeo_filters.matching.maps.functional_map import functional_map
@@ -20,7 +22,7 @@ from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.regions import eigenfunction_regions
 from qgeo_filters.matching.selection.decision import Decision, choose_map
 from qgeo_filters.matching.selection.signatures import hks_agreement
-from qgeo_filters.matching.symmetry import self_symmetry
+from qgeo_filters.matching.symmetry import reflection_of
 from qgeo_filters.matching.verdict import verdict, with_sides
 from qgeo_filters.parallel import default_workers, single_threaded_blas
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
@@ -33,6 +35,7 @@ def match(
     y: Shape,
     *,
     normalize: bool = ...,
+    repair: RepairOption = ...,
     parameters: MatchingParameters | None = ...,
     log: Literal[False] = ...,
     workers: int | None = ...,
@@ -44,6 +47,7 @@ def match(
     y: Shape,
     *,
     normalize: bool = ...,
+    repair: RepairOption = ...,
     parameters: MatchingParameters | None = ...,
     log: Literal[True],
     workers: int | None = ...,
@@ -54,6 +58,7 @@ def match(
     y: Shape,
     *,
     normalize: bool = True,
+    repair: RepairOption = "auto",
     parameters: MatchingParameters | None = None,
     log: bool = False,
     workers: int | None = None,
@@ -64,11 +69,15 @@ def match(
     Parameters
     ----------
     x, y : Surface, whatever `as_surface` takes, or PreparedShape
-        In one piece, manifold, oriented, outwards or inwards; any triangulation, position and number of vertices. Pass
+        Any triangulation, position and number of vertices, faces outwards or inwards. Pass
         prepared shapes where a shape takes part in several matches: all that belongs to one shape is computed once.
     normalize : bool
         Whether to compare shapes regardless of size. If not, and their areas differ by more than a tenth, they are
         refused.
+    repair : bool, "auto" or "force"
+        Whether shapes are made manifold, oriented and one piece first: by default, "auto", those that are not (see
+        `surface_and_repair`); the result says in ``repairs`` what was changed. It is on the vertices that were given,
+        -1 and NaN where one had to go, see `match_on_given`. With False such shapes are refused.
     parameters : MatchingParameters, optional
         What the match goes by; that of the prepared shapes, or the measured default.
     log : bool
@@ -102,7 +111,7 @@ def match(
     """
     bar = tqdm(total=4, desc="prepare X", disable=not progress)
     with default_workers(workers), single_threaded_blas, bar:
-        problem = MatchProblem.of(x, y, parameters, progress=progress)
+        problem = MatchProblem.of(x, y, parameters, repair=repair, progress=progress)
         if not normalize:
             check_same_size(problem.x.surface, problem.y.surface, problem.parameters.same_area)
         with concerning("X"):
@@ -115,7 +124,7 @@ def match(
         _next(bar, "register")
         decision = choose_map(problem.with_mirrored_y() if mirrored else problem, pool)
         _next(bar, "matched")
-        result = _described(problem, decision, mirrored)
+        result = match_on_given(_described(problem, decision, mirrored), problem.x, problem.y)
     return (result, result.log) if log else result
 
 
@@ -131,8 +140,8 @@ def competing_candidates(problem: MatchProblem) -> tuple[list[Candidate], bool]:
     kept = [c for c in proposed if c.orientation > 0]
     reversing = [c for c in proposed if c.orientation <= 0]
     if reversing:
-        mirror = self_symmetry(y, parameters=given)
-        other = mirror if mirror.found else self_symmetry(x, parameters=given)
+        mirror = reflection_of(y, given)
+        other = mirror if mirror.found else reflection_of(x, given)
         if other.found:
             kept += [mirrored_map(problem, c, other.nearest, of_y=mirror.found) for c in reversing]
     mirrored = not kept or (
@@ -161,8 +170,8 @@ def _described(problem: MatchProblem, decision: Decision, mirrored: bool) -> Mat
     positions = dense.positions * flip * y.scale + centre
     regions_x, regions_y = eigenfunction_regions(phi_x, phi_y, p2p, x.areas)
     return MatchResult(
-        x=x.given,
-        y=y.given,
+        x=x.full,
+        y=y.full,
         p2p=frozen(p2p),
         inverse=frozen(dense.inverse),
         functional_map=frozen(functional_map(phi_x, phi_y, p2p, x.areas)),
@@ -178,6 +187,6 @@ def _described(problem: MatchProblem, decision: Decision, mirrored: bool) -> Mat
         regions_x=frozen(regions_x),
         regions_y=frozen(regions_y),
         positions=frozen(positions),
-        barycentric=barycentric_map(positions, p2p, y.given),
+        barycentric=barycentric_map(positions, p2p, y.full),
         log=problem.log,
     )

@@ -139,7 +139,8 @@ def _value(name: str, arrays: dict[str, np.ndarray], others: dict[str, Any]) -> 
         return arrays[name].item() if arrays[name].ndim == 0 else frozen(arrays[name].copy())
     if name == "log":
         return _log(others.get(name))
-    return others.get(name, MISSING)
+    kept = others.get(name, MISSING)
+    return tuple(kept) if isinstance(kept, list) else kept  # JSON knows no tuples
 
 
 def _array(arrays: dict[str, np.ndarray], name: str) -> np.ndarray:

@@ -65,6 +65,9 @@ class MatchResult:
         Point within a triangle of Y for each vertex of X: that nearest to its position, near its vertex.
     log : MatchLog
         Every map that was proposed, and what became of it: why this one was chosen.
+    repairs : tuple of str
+        What was repaired before, a sentence each, beginning with "X: " or "Y: "; empty if nothing was. A vertex that
+        had to go has no partner.
 
     Examples
     --------
@@ -94,6 +97,7 @@ class MatchResult:
     positions: FloatArray
     barycentric: BarycentricMap
     log: MatchLog
+    repairs: tuple[str, ...] = ()
 
     @cached_property
     def inverse_barycentric(self) -> BarycentricMap:

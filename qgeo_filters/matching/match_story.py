@@ -19,6 +19,7 @@ def story(found: MatchResult) -> str:
         f"{_rivals(found)}",
         f"  orientation {found.orientation:.2f}, heat kernels agree to {found.hks_agreement:.2f}",
     ]
+    lines += [f"  repaired: {sentence}" for sentence in found.repairs]
     shares = {"X": np.mean(found.p2p < 0), "Y": np.mean(found.inverse < 0)}
     without = [f"{100 * share:.1f} % of the vertices of {name}" for name, share in shares.items() if share]
     return "\n".join([*lines, f"  no partner: {' and '.join(without)}"] if without else lines)

@@ -11,13 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._deprecation import renamed_parameters
-from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
+from qgeo_filters._typing import FloatArray, IndexArray, RepairOption, SingleArray
 from qgeo_filters.deformation.arap import ArapSolver
 from qgeo_filters.differential.curvature import mean_curvature
 from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
-from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
+from qgeo_filters.hosts.dispatch import SurfaceLike, surface_and_repair
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.parallel import single_threaded_blas
 from qgeo_filters.sampling import farthest_by_distances
@@ -57,21 +57,24 @@ class PreparedShape:
     Parameters
     ----------
     surface : Surface, or whatever `as_surface` takes
-        Manifold, in one piece, oriented.
+        Manifold, in one piece, oriented, or made so by ``repair``.
     curvature_weights : sequence of float, optional
         Weights of mean curvature in the metrics that propose maps, instead of those of the parameters.
     parameters : MatchingParameters, optional
     matrix : callable, optional
         Takes a `LiftedMetric` of the surface, returns the distances between all vertices, shape (n, n), in the unit of
         the surface: for callers who have them or want to keep them. `distance_matrix` by default.
+    repair : bool, "auto" or "force"
+        Whether what is wrong with the mesh is repaired first: by default, "auto", if something is, see
+        `surface_and_repair`. Results are on the vertices that were given all the same.
     progress : bool
         Whether to show a progress bar over the distances.
 
     Raises
     ------
     MeshError
-        Surface not manifold, in several pieces, not orientable, with a vertex of no area, or of fewer than 60
-        vertices.
+        Surface not manifold or in several pieces and not to be repaired, not orientable, with a vertex of no area, or
+        of fewer than 60 vertices.
     ParameterError
         No metric, or a weight that is negative.
 
@@ -90,6 +93,7 @@ class PreparedShape:
         curvature_weights: Sequence[float] | None = None,
         parameters: MatchingParameters | None = None,
         matrix: Callable[[LiftedMetric], npt.NDArray[np.float32]] | None = None,
+        repair: RepairOption = "auto",
         progress: bool = False,
     ) -> None:
         chosen = MatchingParameters() if parameters is None else parameters
@@ -98,12 +102,14 @@ class PreparedShape:
         if not chosen.curvature_weights:
             raise ParameterError("at least one metric must propose maps: curvature_weights is empty")
         self.parameters = chosen
-        self.given = as_surface(surface)
-        """The surface that was given: indices of results are those of its vertices and faces."""
-        check_matchable(self.given, chosen)
-        self.winding = self.given.winding
-        """Which side of the surface that was given is out; what looks inwards is turned over, vertices as they are."""
-        self.surface = self.given.turned_over() if self.winding == "inward" else self.given
+        self.given, self.repair = surface_and_repair(surface, repair)
+        """The surface that was given: indices of results are those of its vertices and faces; and what was repaired."""
+        self.full = self.given if self.repair is None else self.repair.surface
+        """The same, repaired where it had to be: what is matched."""
+        check_matchable(self.full, chosen)
+        self.winding = self.full.winding
+        """Which side of that surface is out; what looks inwards is turned over, vertices as they are."""
+        self.surface = self.full.turned_over() if self.winding == "inward" else self.full
         self.scale = float(np.sqrt(self.surface.area))
         centre = self.surface.vertex_areas @ self.surface.vertices / self.surface.area
         self.unit = Surface((self.surface.vertices - centre) / self.scale, self.surface.faces)
@@ -116,9 +122,18 @@ class PreparedShape:
         return f"PreparedShape({self.surface!r}, curvature_weights={self.parameters.curvature_weights})"
 
     @classmethod
-    def of(cls, shape: Shape, parameters: MatchingParameters | None = None, *, progress: bool = False) -> PreparedShape:
+    def of(
+        cls,
+        shape: Shape,
+        parameters: MatchingParameters | None = None,
+        *,
+        repair: RepairOption = "auto",
+        progress: bool = False,
+    ) -> PreparedShape:
         """The prepared shape itself, or that of a surface."""
-        return shape if isinstance(shape, PreparedShape) else cls(shape, parameters=parameters, progress=progress)
+        if isinstance(shape, PreparedShape):
+            return shape
+        return cls(shape, parameters=parameters, repair=repair, progress=progress)
 
     def prepare(self) -> PreparedShape:
         """The same shape, with everything that matching takes from it computed now."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+from qgeo_filters._typing import RepairOption
 from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.parameters import MatchingParameters
@@ -33,7 +34,13 @@ class MatchProblem:
 
     @classmethod
     def of(
-        cls, x: Shape, y: Shape, parameters: MatchingParameters | None = None, *, progress: bool = False
+        cls,
+        x: Shape,
+        y: Shape,
+        parameters: MatchingParameters | None = None,
+        *,
+        repair: RepairOption = "auto",
+        progress: bool = False,
     ) -> MatchProblem:
         """Problem of two shapes, prepared already or not.
 
@@ -42,6 +49,8 @@ class MatchProblem:
         x, y : Surface, whatever `as_surface` takes, or PreparedShape
         parameters : MatchingParameters, optional
             Those that a shape was prepared with, by default.
+        repair : bool, "auto" or "force"
+            Of shapes that are not prepared yet, see `PreparedShape`.
 
         Raises
         ------
@@ -52,18 +61,23 @@ class MatchProblem:
         """
         chosen = _chosen(parameters, x, y)
         with concerning("X"):
-            first = _prepared(x, chosen, progress)
+            first = _prepared(x, chosen, repair, progress)
         with concerning("Y"):
-            second = _prepared(y, chosen, progress)
+            second = _prepared(y, chosen, repair, progress)
         return cls(first, second, chosen)
 
     @classmethod
     def of_reflection(
-        cls, x: Shape, parameters: MatchingParameters | None = None, *, progress: bool = False
+        cls,
+        x: Shape,
+        parameters: MatchingParameters | None = None,
+        *,
+        repair: RepairOption = "auto",
+        progress: bool = False,
     ) -> MatchProblem:
         """Problem of a shape and its own image in a mirror; parameters as in `of`."""
         chosen = _chosen(parameters, x)
-        shape = _prepared(x, chosen, progress)
+        shape = _prepared(x, chosen, repair, progress)
         return cls(shape, shape.mirrored, chosen, reflection=True)
 
     def with_mirrored_y(self) -> MatchProblem:
@@ -77,8 +91,8 @@ def _chosen(parameters: MatchingParameters | None, *shapes: Shape) -> MatchingPa
     return parameters or next(prepared, MatchingParameters())
 
 
-def _prepared(shape: Shape, parameters: MatchingParameters, progress: bool) -> PreparedShape:
-    prepared = PreparedShape.of(shape, parameters, progress=progress)
+def _prepared(shape: Shape, parameters: MatchingParameters, repair: RepairOption, progress: bool) -> PreparedShape:
+    prepared = PreparedShape.of(shape, parameters, repair=repair, progress=progress)
     for key, value in prepared.parameters.of_shape().items():
         if value != getattr(parameters, key):
             raise ParameterError(

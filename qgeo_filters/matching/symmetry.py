@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters._typing import FloatArray, IndexArray, RepairOption
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.matching.given_vertices import symmetry_on_given
 from qgeo_filters.matching.initialization.candidates import candidates
 from qgeo_filters.matching.maps.functional_map import nearest_neighbors
 from qgeo_filters.matching.maps.involution import optimal_involution
@@ -59,6 +60,9 @@ class Symmetry:
         of points if no symmetry was found.
     regions : (n,) int32
         Regions of the paper's measure, see `symmetry_regions`.
+    repairs : tuple of str
+        What was repaired before, a sentence each; empty if nothing was. A vertex that had to go has no mirror vertex:
+        -1, see `symmetry_on_given`.
     """
 
     found: bool
@@ -72,12 +76,14 @@ class Symmetry:
     orientation: float
     epsilon: float
     regions: npt.NDArray[np.int32]
+    repairs: tuple[str, ...] = ()
 
 
 def self_symmetry(
     shape: Shape,
     *,
     tolerance: float = TOLERANCE,
+    repair: RepairOption = "auto",
     parameters: MatchingParameters | None = None,
     workers: int | None = None,
     progress: bool = False,
@@ -91,9 +97,11 @@ def self_symmetry(
     Parameters
     ----------
     shape : Surface, whatever `as_surface` takes, or PreparedShape
-        In one piece, manifold, oriented. A prepared shape remembers its symmetry.
+        A prepared shape remembers its symmetry.
     tolerance : float
         Mean distortion of distances, in units of sqrt(area), up to which a map counts as a symmetry.
+    repair : bool, "auto" or "force"
+        Whether the shape is made manifold, oriented and one piece first, as in `match`.
     parameters : MatchingParameters, optional
         What the search goes by; that of the prepared shape, or the measured default.
     workers : int, optional
@@ -117,12 +125,22 @@ def self_symmetry(
     if not 0 < tolerance < np.inf:
         raise ParameterError(f"the tolerance must be a positive fraction of sqrt(area), got {tolerance!r}")
     with default_workers(workers):
-        problem = MatchProblem.of_reflection(shape, parameters, progress=progress)
-        key = tolerance, problem.parameters
-        kept = problem.x.symmetries
-        if key not in kept:
-            kept[key] = _found(problem, tolerance)
-    return kept[key]
+        problem = MatchProblem.of_reflection(shape, parameters, repair=repair, progress=progress)
+        return symmetry_on_given(_remembered(problem, tolerance), problem.x)
+
+
+def reflection_of(shape: PreparedShape, parameters: MatchingParameters) -> Symmetry:
+    """Self-symmetry on the vertices of ``shape.full``."""
+    return _remembered(MatchProblem.of_reflection(shape, parameters), TOLERANCE)
+
+
+def _remembered(problem: MatchProblem, tolerance: float) -> Symmetry:
+    key = tolerance, problem.parameters
+    kept = problem.x.symmetries
+    if key not in kept:
+        kept[key] = _found(problem, tolerance)
+    found: Symmetry = kept[key]
+    return found
 
 
 def reflection_log(shape: Shape, *, parameters: MatchingParameters | None = None) -> MatchLog:

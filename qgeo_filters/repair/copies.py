@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from qgeo_filters import connectivity
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray
 from qgeo_filters.equal_rows import equal_rows, occurring
 
 
-def without_copies(vertices: FloatArray, faces: IntArray) -> tuple[IntArray, IndexArray, int]:
-    """Faces but for those of pieces that are copies, the vertex that each vertex becomes, and how many pieces went.
+def without_copies(vertices: FloatArray, faces: IntArray) -> tuple[npt.NDArray[np.bool_], IndexArray, int]:
+    """Which faces are not those of copied pieces, the vertex that each vertex becomes, and how many pieces go.
 
     Every face of a copy has its three corners where those of an earlier face of another piece are. A piece
     that only touches another, or lies on it in part, is none; nor is a sheet that is folded onto itself.
@@ -19,7 +20,7 @@ def without_copies(vertices: FloatArray, faces: IntArray) -> tuple[IntArray, Ind
     _, label = connectivity.vertex_components(np.concatenate([faces[:, :2], faces[:, 1:]]), len(vertices))
     piece = label[faces[:, 0]]
     if piece.min() == piece.max():
-        return faces, stands_for, 0
+        return np.ones(len(faces), dtype=bool), stands_for, 0
     used = occurring(faces, len(vertices))
     place = np.zeros(len(vertices), dtype=np.int64)
     place[used], _ = equal_rows(vertices[used])
@@ -30,4 +31,4 @@ def without_copies(vertices: FloatArray, faces: IntArray) -> tuple[IntArray, Ind
     own = np.bincount(piece, piece[original] == piece)
     copied = own[piece] == 0
     stands_for[sorted_faces[copied]] = sorted_faces[original[copied]]
-    return faces[~copied], stands_for, len(occurring(piece[copied], len(own)))
+    return ~copied, stands_for, len(occurring(piece[copied], len(own)))

@@ -12,8 +12,10 @@ from qgeo_filters.io.raw_mesh import counted
 from qgeo_filters.triangle_geometry import face_crosses, unit_normals
 
 
-def split_into_fans(vertices: np.ndarray, faces: IntArray, report: list[str]) -> tuple[IndexArray, IntArray]:
-    """Manifold faces, and the old index of each of their vertices.
+def split_into_fans(
+    vertices: np.ndarray, faces: IntArray, report: list[str]
+) -> tuple[IndexArray, IntArray, IndexArray]:
+    """The old index of each vertex of manifold faces, these faces, and the old index of each of them.
 
     Parameters
     ----------
@@ -30,7 +32,7 @@ def split_into_fans(vertices: np.ndarray, faces: IntArray, report: list[str]) ->
     remain, and if that gains nothing either, the surplus faces go. Each round adds a vertex or removes a
     face, so that this ends.
     """
-    origin = np.arange(len(vertices))
+    origin, kept = np.arange(len(vertices)), np.arange(len(faces))
     n_edges, n_removed, keep_pairs = 0, 0, True
     while True:
         edges, face_edges, counts = connectivity.unique_edges(faces)
@@ -50,7 +52,7 @@ def split_into_fans(vertices: np.ndarray, faces: IntArray, report: list[str]) ->
             continue
         surplus = _surplus_faces(vertices[origin], faces, face_edges, bad)
         n_removed += len(surplus)
-        faces = np.delete(faces, surplus, axis=0)
+        faces, kept = np.delete(faces, surplus, axis=0), np.delete(kept, surplus)
         keep_pairs = True
     if n_edges:
         removed = f", {counted(n_removed, 'face')} removed there" if n_removed else ""
@@ -58,7 +60,7 @@ def split_into_fans(vertices: np.ndarray, faces: IntArray, report: list[str]) ->
     n_split = len(origin) - len(vertices)
     if n_split:
         report.append(f"{counted(n_split, 'vertex', 'vertices')} added where faces met in more than one fan")
-    return origin, faces
+    return origin, faces, kept
 
 
 def consistent_flips(faces: IntArray) -> tuple[IndexArray, bool]:

@@ -6,23 +6,31 @@ PyMeshLab's repair filters renumber vertices without telling how, so that attrib
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from qgeo_filters import connectivity
-from qgeo_filters._typing import FloatArray, IndexArray, IntArray
+from qgeo_filters._typing import FloatArray, IndexArray, IntArray, RepairOption
 from qgeo_filters.equal_rows import equal_rows, occurring
 from qgeo_filters.errors import MeshError
 from qgeo_filters.io.raw_mesh import RawMesh, counted
 from qgeo_filters.repair.copies import without_copies
 from qgeo_filters.repair.manifold import consistent_flips, split_into_fans
+from qgeo_filters.repair.sound import SoundMesh
 from qgeo_filters.repair.welding import welded
 from qgeo_filters.repair.winding import winding
 from qgeo_filters.triangle_geometry import face_crosses
-from qgeo_filters.validation import checked_attributes, checked_faces, checked_vertices, frozen, listed
+from qgeo_filters.validation import frozen, listed
 
-#: Share of the area beyond which a repair is refused unless it is forced.
+#: Which pieces of a mesh stay when it is repaired.
+Pieces: TypeAlias = Literal["largest", "all"]
+
+#: Share of the area beyond which a repair that was asked for is refused unless it is forced.
 MOST_AREA_LOST = 0.01
+# The same where only what is wrong is repaired: crumbs around the one piece that is meant, as scans have.
+_MOST_AREA_OF_CRUMBS = 0.1
 # The same of faces without a place, whose area nobody knows.
 _MOST_FACES_LOST = 0.5
 
@@ -39,6 +47,10 @@ class RepairedMesh:
         Original index of each vertex; one original vertex may appear several times, where it was split.
     vertex_of_original : (n_old,) int64
         Vertex that stands for each original one, -1 where it is gone.
+    face_origin : (m_new,) int64
+        Face of the input that each face was.
+    turned : (m_new,) bool
+        Whether it was turned over: its corners are those of the input from last to first.
     report : tuple of str
         What was changed, one sentence each with its count, the notes of the input first; empty if nothing was.
     """
@@ -46,45 +58,49 @@ class RepairedMesh:
     mesh: RawMesh
     origin: IndexArray
     vertex_of_original: IndexArray
+    face_origin: IndexArray
+    turned: npt.NDArray[np.bool_]
     report: tuple[str, ...]
 
 
 @np.errstate(over="ignore", invalid="ignore")  # coordinates too large for areas are refused in words
-def repaired_mesh(raw: RawMesh, *, force: bool = False) -> RepairedMesh:
+def repaired_mesh(sound: SoundMesh, *, most_lost: float = MOST_AREA_LOST, pieces: Pieces = "largest") -> RepairedMesh:
     """Manifold mesh in one piece; the steps are listed at `hosts.repair.repair_surface`.
 
     Parameters
     ----------
-    raw : RawMesh
-    force : bool
-        Go through with a repair that removes much of the mesh.
+    sound : SoundMesh
+    most_lost : float
+        Share of the area that may be removed, and of the faces if it is more than half; 1 for whatever is left.
+    pieces : {"largest", "all"}
+        Which pieces stay; with all of them the mesh is only as connected as it was.
 
     Raises
     ------
     MeshError
-        No faces are left, too much would be removed, or the arrays are no triangle list at all.
+        No faces are left, or too much would be removed.
     """
-    report = list(raw.notes)
-    vertices, given = _arrays(raw)
+    report, vertices, faces = list(sound.notes), sound.vertices, sound.faces
     n_old = len(vertices)
-    attributes = checked_attributes(raw.attributes, n_old)
-    sound = _without_bad_indices(vertices, given, report)
-    faces = _without_repeated_vertices(sound, report)
     stands_for = _collapsed(vertices, faces, report)
-    faces = _without_repeats(stands_for[faces].astype(np.int32), report)
+    faces, kept = _without_repeats(stands_for[faces].astype(np.int32), np.arange(len(faces)), report)
     if len(faces) == 0:
-        raise MeshError(f"nothing is left of the mesh after repair: {'; '.join(report) or 'it has no faces'}")
-    faces, original = _without_copies(vertices, faces, report)
+        raise MeshError(f"nothing is left of the mesh after repair: {'; '.join(report)}")
+    kept, original = _without_copies(vertices, faces, kept, report)
+    faces = stands_for[sound.faces[kept]].astype(np.int32)
     joined = _welded(vertices, faces, report)
-    stands_for, faces = joined[original[stands_for]], _without_repeats(joined[faces].astype(np.int32), report)
+    stands_for = joined[original[stands_for]]
+    faces, kept = _without_repeats(joined[faces].astype(np.int32), kept, report)
     area = _area(vertices, faces)
     if not np.isfinite(area):
         raise MeshError("the areas of the faces leave float64; rescale the mesh")
-    origin, faces = split_into_fans(vertices, faces, report)
-    faces, sizes = _largest_piece(vertices[origin], faces, report)
-    if not force:
-        _check_loss(1 - _area(vertices[origin], faces) / area, 1 - len(sound) / len(given), sizes, report)
-    faces = _turned_outwards(vertices[origin], faces, report)
+    origin, faces, left = split_into_fans(vertices, faces, report)
+    kept = kept[left]
+    if pieces == "largest":
+        largest, sizes = _largest_piece(vertices[origin], faces, report)
+        faces, kept = faces[largest], kept[largest]
+        _check_loss(1 - _area(vertices[origin], faces) / area, sound.share_lost, sizes, most_lost, report)
+    faces, turned = _turned_outwards(vertices[origin], faces, report)
     used = occurring(faces, len(origin))
     renumbered = np.full(len(origin), -1, dtype=np.int32)
     renumbered[used] = np.arange(len(used))
@@ -96,57 +112,20 @@ def repaired_mesh(raw: RawMesh, *, force: bool = False) -> RepairedMesh:
     if loose:
         gone = listed(np.flatnonzero(vertex_of_original < 0))
         report.append(f"of {n_old} vertices {loose} {'is' if loose == 1 else 'are'} gone ({gone})")
-    mesh = RawMesh(vertices[origin], faces, {name: values[origin] for name, values in attributes.items()})
-    return RepairedMesh(mesh, frozen(origin), frozen(vertex_of_original), tuple(report))
+    mesh = RawMesh(vertices[origin], faces, {name: values[origin] for name, values in sound.attributes.items()})
+    return RepairedMesh(
+        mesh,
+        frozen(origin),
+        frozen(vertex_of_original),
+        frozen(sound.face_origin[kept]),
+        frozen(turned),
+        tuple(report),
+    )
 
 
-def _arrays(raw: RawMesh) -> tuple[FloatArray, IntArray]:
-    """Arrays of the right shape; what no repair can make sense of is refused as always."""
-    try:
-        vertices, faces = np.array(raw.vertices, dtype=np.float64), np.asarray(raw.faces)
-    except (TypeError, ValueError):
-        checked_faces(raw.faces, len(checked_vertices(raw.vertices)))  # raises, with the reason
-        raise
-    whole = faces.dtype.kind in "iu" or (faces.dtype.kind == "f" and bool(np.all(faces == np.floor(faces))))
-    if (
-        len(vertices) == 0
-        or vertices.ndim != 2
-        or vertices.shape[1:] != (3,)
-        or faces.ndim != 2
-        or faces.shape[1:] != (3,)
-        or not whole
-    ):
-        checked_faces(faces, len(checked_vertices(vertices)))  # raises
-        raise AssertionError("unreachable: Surface accepts what repair does not")
-    finite = np.isfinite(vertices).all(axis=1)
-    if finite.any():
-        checked_vertices(vertices[finite])  # raises where it is too large or too small
-    # Out of range where int32 does not reach is out of range all the same.
-    return vertices, np.clip(faces, -1, np.iinfo(np.int32).max).astype(np.int32)
-
-
-def _without_bad_indices(vertices: np.ndarray, faces: IntArray, report: list[str]) -> IntArray:
-    outside = ((faces < 0) | (faces >= len(vertices))).any(axis=1)
-    if outside.any():
-        report.append(f"{counted(outside.sum(), 'face')} with missing vertices removed")
-        faces = faces[~outside]
-    lost = ~np.isfinite(vertices).all(axis=1)
-    if lost.any():
-        touched = lost[faces].any(axis=1)
-        report.append(
-            f"{counted(lost.sum(), 'vertex', 'vertices')} with coordinates that are not finite "
-            f"({listed(np.flatnonzero(lost))}) removed, with {counted(touched.sum(), 'face')}"
-        )
-        faces = faces[~touched]
-    return faces
-
-
-def _without_repeated_vertices(faces: IntArray, report: list[str]) -> IntArray:
-    twice = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
-    if twice.any():
-        report.append(f"{counted(twice.sum(), 'face')} with a repeated vertex removed")
-        faces = faces[~twice]
-    return faces
+def most_lost(repair: RepairOption) -> float:
+    """Share of the area that a repair may remove, for the option that asks for it."""
+    return 1.0 if repair == "force" else _MOST_AREA_OF_CRUMBS if repair == "auto" else MOST_AREA_LOST
 
 
 def _collapsed(vertices: np.ndarray, faces: IntArray, report: list[str]) -> IndexArray:
@@ -160,13 +139,15 @@ def _collapsed(vertices: np.ndarray, faces: IntArray, report: list[str]) -> Inde
     return joined
 
 
-def _without_copies(vertices: FloatArray, faces: IntArray, report: list[str]) -> tuple[IntArray, IndexArray]:
-    """Faces but for pieces that lie on others, and the vertex that each vertex becomes."""
-    kept, stands_for, n_pieces = without_copies(vertices, faces)
+def _without_copies(
+    vertices: FloatArray, faces: IntArray, kept: IndexArray, report: list[str]
+) -> tuple[IndexArray, IndexArray]:
+    """Which faces stay when pieces that lie on others go, and the vertex that each vertex becomes."""
+    stays, stands_for, n_pieces = without_copies(vertices, faces)
     if n_pieces:
-        gone = counted(len(faces) - len(kept), "face")
+        gone = counted(int((~stays).sum()), "face")
         report.append(f"{counted(n_pieces, 'piece')} removed that lay on others face by face, with {gone}")
-    return kept, stands_for
+    return kept[stays], stands_for
 
 
 def _welded(vertices: FloatArray, faces: IntArray, report: list[str]) -> IndexArray:
@@ -181,13 +162,15 @@ def _welded(vertices: FloatArray, faces: IntArray, report: list[str]) -> IndexAr
     return joined
 
 
-def _without_repeats(faces: IntArray, report: list[str]) -> IntArray:
+def _without_repeats(faces: IntArray, kept: IndexArray, report: list[str]) -> tuple[IntArray, IndexArray]:
+    """Faces, with the numbers that they go by, but for those without an inside and all but the first of equals."""
     flat = (faces == np.roll(faces, 1, axis=1)).any(axis=1)  # left by the collapse
-    faces = faces[~flat]
+    faces, kept = faces[~flat], kept[~flat]
     _, first = equal_rows(np.sort(faces, axis=1))
     if len(first) < len(faces):
         report.append(f"{counted(len(faces) - len(first), 'duplicate face')} removed")
-    return faces[np.sort(first)]
+    first.sort()
+    return faces[first], kept[first]
 
 
 def _area(positions: FloatArray, faces: IntArray) -> float:
@@ -196,8 +179,10 @@ def _area(positions: FloatArray, faces: IntArray) -> float:
     return area or float(len(faces))
 
 
-def _largest_piece(positions: np.ndarray, faces: IntArray, report: list[str]) -> tuple[IntArray, IndexArray]:
-    """Faces of the piece of largest area, and how many faces each piece has, the most first."""
+def _largest_piece(
+    positions: np.ndarray, faces: IntArray, report: list[str]
+) -> tuple[npt.NDArray[np.bool_], IndexArray]:
+    """Which faces are those of the piece of largest area, and how many faces each piece has, the most first."""
     n = len(positions)
     _, label = connectivity.vertex_components(np.concatenate([faces[:, :2], faces[:, 1:]]), n)
     piece = label[faces[:, 0]]
@@ -206,7 +191,7 @@ def _largest_piece(positions: np.ndarray, faces: IntArray, report: list[str]) ->
     pieces = np.flatnonzero(size)
     sizes = np.sort(size[pieces])[::-1]
     if len(pieces) == 1:
-        return faces, sizes
+        return np.ones(len(faces), dtype=bool), sizes
     largest = pieces[area[pieces].argmax()]
     kept = piece == largest
     share = 100 * area[largest] / area.sum() if area.sum() > 0 else 100 * kept.mean()
@@ -214,14 +199,14 @@ def _largest_piece(positions: np.ndarray, faces: IntArray, report: list[str]) ->
         f"{counted(len(pieces) - 1, 'smaller piece')} with {counted((~kept).sum(), 'face')} removed; the largest, "
         f"kept, has {share:.4g} % of the area"
     )
-    return faces[kept], sizes
+    return kept, sizes
 
 
-def _check_loss(of_area: float, of_faces: float, sizes: IndexArray, report: list[str]) -> None:
+def _check_loss(of_area: float, of_faces: float, sizes: IndexArray, most: float, report: list[str]) -> None:
     """Refuse a repair that keeps a shred: it removes much area, or most faces were without a place and so an area."""
-    if of_area <= MOST_AREA_LOST and of_faces <= _MOST_FACES_LOST:
+    if of_area <= most and (of_faces <= _MOST_FACES_LOST or of_faces <= most):
         return
-    lost = f"{100 * of_area:.3g} % of the area" if of_area > MOST_AREA_LOST else f"{100 * of_faces:.3g} % of the faces"
+    lost = f"{100 * of_area:.3g} % of the area" if of_area > most else f"{100 * of_faces:.3g} % of the faces"
     pieces = f"; there are {len(sizes)} pieces, of {listed(sizes)} faces" if len(sizes) > 1 else ""
     raise MeshError(
         f"repair would remove {lost} ({'; '.join(report)}){pieces}; pass the piece that is meant, or repair='force' "
@@ -229,8 +214,10 @@ def _check_loss(of_area: float, of_faces: float, sizes: IndexArray, report: list
     )
 
 
-def _turned_outwards(positions: FloatArray, faces: IntArray, report: list[str]) -> IntArray:
-    """Faces of one orientation, which is outwards where there is an inside."""
+def _turned_outwards(
+    positions: FloatArray, faces: IntArray, report: list[str]
+) -> tuple[IntArray, npt.NDArray[np.bool_]]:
+    """Faces of one orientation, which is outwards where there is an inside, and which of them were turned for that."""
     flips, orientable = consistent_flips(faces)
     if not orientable:
         report.append("the mesh is not orientable and keeps the orientation of its faces")
@@ -245,4 +232,4 @@ def _turned_outwards(positions: FloatArray, faces: IntArray, report: list[str]) 
     elif turned.any():
         side = "so that all look outwards" if inside_out else "to the orientation of the others"
         report.append(f"{counted(turned.sum(), 'face')} turned over {side}")
-    return np.ascontiguousarray(faces)
+    return np.ascontiguousarray(faces), turned
