@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothing
     from . import evaluation as evaluation
     from . import testing as testing
+    from .barycentric import BarycentricMap as BarycentricMap
     from .caching import cache as cache
     from .compilation import warmup as warmup
     from .differential.coordinates import differential_coordinates as differential_coordinates
@@ -64,7 +65,6 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .matching.compatibility import Compatibility as Compatibility
     from .matching.compatibility import compatibility as compatibility
     from .matching.correspondence import match as match
-    from .matching.maps.barycentric import BarycentricMap as BarycentricMap
     from .matching.maps.barycentric import barycentric_map as barycentric_map
     from .matching.match_log import MatchLog as MatchLog
     from .matching.match_result import MatchResult as MatchResult
@@ -132,7 +132,7 @@ _HOME = {
     "MatchingParameters": "matching.parameters",
     "PreparedShape": "matching.prepared_shape",
     "barycentric_map": "matching.maps.barycentric",
-    "BarycentricMap": "matching.maps.barycentric",
+    "BarycentricMap": "barycentric",
     "commutative_eigenspectra": "spectral.commutative",
     "CommutativeSpectra": "spectral.commutative",
     "commutator_norm": "spectral.commutative",

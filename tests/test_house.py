@@ -23,12 +23,14 @@ FLOORS: list[list[str]] = [
     ["_typing", "_deprecation", "_log", "defaults", "errors"],
     [
         "atomic",
+        "barycentric",
         "caching",
         "cholesky",
         "connectivity",
         "equal_rows",
         "fingerprint",
         "jit",
+        "missing_values",
         "parallel",
         "sampling",
         "triangle_geometry",
@@ -37,6 +39,8 @@ FLOORS: list[list[str]] = [
     ["io"],
     ["repair"],
     ["surface"],
+    ["closest_points"],
+    ["decimation"],
     ["hosts"],
     ["differential"],
     # geodesics: the metric and what unfolds; methods of distances; paths; what users call; all of it compiled

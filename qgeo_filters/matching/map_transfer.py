@@ -10,7 +10,7 @@ import numpy.typing as npt
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.matching.maps.barycentric import BarycentricMap
-from qgeo_filters.matching.maps.missing_values import with_missing
+from qgeo_filters.missing_values import with_missing
 
 
 def interpolated(values: np.ndarray, place: BarycentricMap, fill: Any = None) -> np.ndarray:

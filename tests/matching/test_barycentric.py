@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from shapes import blob, grid, icosphere
 
-from qgeo_filters.matching.maps.barycentric import BarycentricMap, barycentric_map, nearest_in_triangles
+from qgeo_filters.barycentric import BarycentricMap, nearest_in_triangles
+from qgeo_filters.matching.maps.barycentric import barycentric_map
 from qgeo_filters.surface import Surface
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,61 +9,13 @@ import numpy.typing as npt
 from scipy import sparse
 
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray
+from qgeo_filters.barycentric import BarycentricMap, nearest_in_triangles
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
-from qgeo_filters.matching.maps.missing_values import with_missing
 from qgeo_filters.repair.welding import welded
 from qgeo_filters.validation import checked_indices, frozen
 
-_SIDES = ((0, 1), (1, 2), (2, 0))
 _PAIRS = 1 << 18  # of a point and a triangle that are measured at once: some hundred bytes each
-
-
-@dataclass(frozen=True, eq=False)
-class BarycentricMap:
-    """Point of a triangle of Y for each vertex of X.
-
-    Attributes
-    ----------
-    faces : (n_x,) int64
-        Triangle of Y; -1: no point.
-    corners : (n_x, 3) int64
-        Its vertices; -1 where there is no point.
-    coordinates : (n_x, 3) float64
-        Weights of the corners, not negative, with sum 1; NaN where there is no point.
-    """
-
-    faces: IndexArray
-    corners: IndexArray
-    coordinates: FloatArray
-
-    @classmethod
-    def unknown(cls, count: int) -> BarycentricMap:
-        """Map without any point, its arrays open for those that are found."""
-        return cls(
-            np.full(count, -1, dtype=np.int64), np.full((count, 3), -1, dtype=np.int64), np.full((count, 3), np.nan)
-        )
-
-    @property
-    def nearest_corner(self) -> IndexArray:
-        """Corner of largest weight, (n_x,); -1 where there is no point."""
-        return np.take_along_axis(self.corners, self.coordinates.argmax(axis=1)[:, None], axis=1)[:, 0]
-
-    def pulled_back(self, values: npt.ArrayLike) -> np.ndarray:
-        """Values of Y, (n_y, ...), at the images of the vertices of X, (n_x, ...).
-
-        Floating-point values are interpolated. Whole numbers (labels, indices) and booleans are taken from the
-        nearest corner, since an interpolated label means nothing. Where there is no point stand NaN, -1, False or "".
-
-        Raises
-        ------
-        ParameterError
-            Unsigned numbers, of which none says "no point", where a point is missing.
-        """
-        array = np.asarray(values)
-        if array.dtype.kind in "fc":
-            return np.einsum("ij,ij...->i...", self.coordinates, array[self.corners])
-        return with_missing(array[self.nearest_corner], self.faces < 0)
 
 
 def barycentric_map(positions: npt.ArrayLike, p2p: npt.ArrayLike, y: SurfaceLike, rings: int = 2) -> BarycentricMap:
@@ -156,29 +107,3 @@ def _faces_around(faces: IndexArray, n: int, usable: Any, rings: int) -> sparse.
     for _ in range(rings - 1):
         around = (incident @ incident.T) @ around
     return sparse.csr_matrix(around)
-
-
-def nearest_in_triangles(points: FloatArray, triangles: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Barycentric coordinates (k, 3) of the point of each triangle (k, 3, 3) nearest to a point, and its distance."""
-    a = triangles[:, 0]
-    u, v, w = triangles[:, 1] - a, triangles[:, 2] - a, points - a
-    uu, uv, vv = (np.einsum("ij,ij->i", *pair) for pair in ((u, u), (u, v), (v, v)))
-    wu, wv = (np.einsum("ij,ij->i", w, side) for side in (u, v))
-    determinant = uu * vv - uv * uv
-    with np.errstate(divide="ignore", invalid="ignore"):
-        s, t = (vv * wu - uv * wv) / determinant, (uu * wv - uv * wu) / determinant
-    # A triangle without area has no inside, but sides.
-    inside = (s >= 0) & (t >= 0) & (s + t <= 1)
-    weights = np.where(inside[:, None], np.column_stack([1 - s - t, s, t]), 0.0)
-    least = np.where(inside, -1.0, np.inf)
-    for i, j in _SIDES:
-        side = triangles[:, j] - triangles[:, i]
-        squared = np.einsum("ij,ij->i", side, side)
-        along = np.einsum("ij,ij->i", points - triangles[:, i], side) / np.where(squared > 0, squared, 1.0)
-        along = np.clip(along, 0.0, 1.0)
-        gap = np.linalg.norm(triangles[:, i] + along[:, None] * side - points, axis=1)
-        nearer = gap < least
-        least[nearer] = gap[nearer]
-        weights[nearer] = 0.0
-        weights[nearer, i], weights[nearer, j] = 1 - along[nearer], along[nearer]
-    return weights, np.linalg.norm(np.einsum("ij,ijk->ik", weights, triangles) - points, axis=1)

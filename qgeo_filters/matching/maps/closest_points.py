@@ -6,7 +6,7 @@ import igl
 import numpy as np
 
 from qgeo_filters._typing import FloatArray
-from qgeo_filters.matching.maps.barycentric import BarycentricMap, nearest_in_triangles
+from qgeo_filters.barycentric import BarycentricMap, nearest_in_triangles
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
 
