@@ -51,8 +51,9 @@ FLOORS: list[list[str]] = [
     ["spectral"],
     ["deformation"],
     # matching, in the order of a run
-    ["matching.parameters", "matching.match_log"],
+    ["matching.parameters", "matching.match_log", "matching.hints"],
     ["matching.prepared_shape"],
+    ["matching.known_parts"],
     ["matching.problem"],
     ["matching.maps"],
     ["matching.initialization"],

@@ -108,6 +108,9 @@ class Correspondence(Filter):
         The other shape: another pose, in any triangulation and position.
     normalize : bool
         Whether to compare the shapes regardless of size.
+    landmarks, labels : optional
+        What is known of the map, see `match`: pairs (vertex of the mesh, vertex of the target) or points, and the part
+        of each vertex of the mesh and of the target.
     """
 
     outputs = {
@@ -124,15 +127,22 @@ class Correspondence(Filter):
         """With itself."""
         return cls(target=surface)
 
-    def __init__(self, *, target: Any = None, normalize: bool = True) -> None:
+    def __init__(
+        self, *, target: Any = None, normalize: bool = True, landmarks: Any = None, labels: Any = None
+    ) -> None:
         self.target = target
         self.normalize = normalize
+        self.landmarks = landmarks
+        self.labels = labels
 
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
         """Map, distortion and regions by attribute name."""
         if self.target is None:
             raise ParameterError("Correspondence needs the other shape: Correspondence(target=mesh)")
-        found = stages.correspondence_of(surface, as_surface(self.target), self.normalize, progress)
+        target = as_surface(self.target)
+        found = stages.correspondence_of(
+            surface, target, self.normalize, progress, landmarks=self.landmarks, labels=self.labels
+        )
         self.correspondence_ = found
         return {
             "qgeo_correspondence": found.p2p,

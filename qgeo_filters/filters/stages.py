@@ -19,6 +19,7 @@ from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.methods import method_named
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.matching.correspondence import match
+from qgeo_filters.matching.hints import Hints, LabelPair, LandmarkPairs
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape, check_same_size
@@ -121,16 +122,31 @@ def symmetry_of(surface: Surface, progress: bool = False, workers: int | None = 
 
 
 def correspondence_of(
-    x: Surface, y: Surface, normalize: bool, progress: bool = False, workers: int | None = None
+    x: Surface,
+    y: Surface,
+    normalize: bool,
+    progress: bool = False,
+    workers: int | None = None,
+    *,
+    landmarks: LandmarkPairs | None = None,
+    labels: LabelPair | None = None,
 ) -> MatchResult:
     """Correspondence of two surfaces, see `match`."""
+    hints = Hints.of(x, y, landmarks, labels)
     if not normalize:
         check_same_size(x, y)  # before shapes are prepared
 
     def compute() -> MatchResult:
-        return match(prepared_shape_of(x, progress), prepared_shape_of(y, progress), normalize=normalize)
+        return match(
+            prepared_shape_of(x, progress),
+            prepared_shape_of(y, progress),
+            normalize=normalize,
+            landmarks=hints.landmarks if len(hints.landmarks) else None,
+            labels=labels and hints.labels,
+        )
 
-    key = content_key("correspondence", x.vertices, x.faces, y.vertices, y.faces, normalize, MatchingParameters())
+    shapes = x.vertices, x.faces, y.vertices, y.faces
+    key = content_key("correspondence", *shapes, normalize, MatchingParameters(), hints.landmarks, *hints.labels)
     return _kept(key, compute, workers=workers)
 
 

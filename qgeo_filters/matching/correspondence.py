@@ -10,6 +10,7 @@ from tqdm.auto import tqdm
 from qgeo_filters._typing import RepairOption
 from qgeo_filters.errors import concerning
 from qgeo_filters.matching.given_vertices import match_on_given
+from qgeo_filters.matching.hints import LabelPair, LandmarkPairs
 from qgeo_filters.matching.initialization.candidates import Candidate, candidates, mirrored_map
 from qgeo_filters.matching.maps.barycentric import barycentric_map
 from qgeo_filters.matching.maps.functional_map import functional_map
@@ -23,7 +24,7 @@ from qgeo_filters.matching.regions import eigenfunction_regions
 from qgeo_filters.matching.selection.decision import Decision, choose_map
 from qgeo_filters.matching.selection.signatures import hks_agreement
 from qgeo_filters.matching.symmetry import reflection_of
-from qgeo_filters.matching.verdict import verdict, with_sides
+from qgeo_filters.matching.verdict import verdict, with_hints, with_sides
 from qgeo_filters.parallel import default_workers, single_threaded_blas
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
 from qgeo_filters.validation import frozen
@@ -36,6 +37,8 @@ def match(
     *,
     normalize: bool = ...,
     repair: RepairOption = ...,
+    landmarks: LandmarkPairs | None = ...,
+    labels: LabelPair | None = ...,
     parameters: MatchingParameters | None = ...,
     log: Literal[False] = ...,
     workers: int | None = ...,
@@ -48,6 +51,8 @@ def match(
     *,
     normalize: bool = ...,
     repair: RepairOption = ...,
+    landmarks: LandmarkPairs | None = ...,
+    labels: LabelPair | None = ...,
     parameters: MatchingParameters | None = ...,
     log: Literal[True],
     workers: int | None = ...,
@@ -59,6 +64,8 @@ def match(
     *,
     normalize: bool = True,
     repair: RepairOption = "auto",
+    landmarks: LandmarkPairs | None = None,
+    labels: LabelPair | None = None,
     parameters: MatchingParameters | None = None,
     log: bool = False,
     workers: int | None = None,
@@ -78,6 +85,12 @@ def match(
         Whether shapes are made manifold, oriented and one piece first: by default, "auto", those that are not (see
         `surface_and_repair`); the result says in ``repairs`` what was changed. It is on the vertices that were given,
         -1 and NaN where one had to go, see `match_on_given`. With False such shapes are refused.
+    landmarks : sequence of (int, int), pair of (k, 3) arrays, or pair of Landmarks, optional
+        What is known: pairs (vertex of X, vertex of Y), or points on X and those on Y that they belong to, or
+        landmarks of equal names; to within a few edges. Even a single one steers the search. Which of them the map
+        contradicts is said in ``explanation``.
+    labels : pair of array-like of int, shapes (n_x,) and (n_y,), optional
+        Vertices of X and of Y with equal numbers lie in the same part; negative where that is not known.
     parameters : MatchingParameters, optional
         What the match goes by; that of the prepared shapes, or the measured default.
     log : bool
@@ -97,7 +110,8 @@ def match(
     MeshError
         See `PreparedShape`.
     ParameterError
-        Shapes of different size with ``normalize=False``, or prepared with different parameters.
+        Shapes of different size with ``normalize=False``, or prepared with different parameters; hints that cannot be,
+        see `Hints.of`.
 
     Notes
     -----
@@ -111,7 +125,9 @@ def match(
     """
     bar = tqdm(total=4, desc="prepare X", disable=not progress)
     with default_workers(workers), single_threaded_blas, bar:
-        problem = MatchProblem.of(x, y, parameters, repair=repair, progress=progress)
+        problem = MatchProblem.of(
+            x, y, parameters, repair=repair, landmarks=landmarks, labels=labels, progress=progress
+        )
         if not normalize:
             check_same_size(problem.x.surface, problem.y.surface, problem.parameters.same_area)
         with concerning("X"):
@@ -145,9 +161,9 @@ def competing_candidates(problem: MatchProblem) -> tuple[list[Candidate], bool]:
         if other.found:
             kept += [mirrored_map(problem, c, other.nearest, of_y=mirror.found) for c in reversing]
     mirrored = not kept or (
-        # Not one of the maps in the right hand is nearly as good: Y is the mirror image of something asymmetric.
-        bool(reversing)
-        and min(c.mean_distortion for c in reversing) < given.mirror_image_ratio * min(c.mean_distortion for c in kept)
+        # Not one of the maps in the right hand is nearly as good: Y is the mirror image of something asymmetric, or of
+        # what the hints say.
+        bool(reversing) and min(c.rank for c in reversing) < given.mirror_image_ratio * min(c.rank for c in kept)
     )
     for c in kept if mirrored else reversing:
         log.drop(c.number, "keeps the orientation, but not distances" if mirrored else "reverses the orientation")
@@ -163,6 +179,7 @@ def _described(problem: MatchProblem, decision: Decision, mirrored: bool) -> Mat
     score = float(x.areas @ distortion)
     turned, alike = orientation(x.unit, y.unit, p2p), hks_agreement(problem, p2p)
     confident, explanation = verdict(problem.parameters, score, decision.margin, turned, alike, mirrored)
+    confident, explanation = with_hints(problem, p2p, decision.unhinted, confident, explanation)
     confident, explanation = with_sides({"X": x.winding, "Y": y.winding}, confident, explanation)
     phi_x, phi_y = x.spectrum.eigenfunctions, y.spectrum.eigenfunctions
     flip = np.array([-1.0, 1.0, 1.0]) if mirrored else 1.0
@@ -189,4 +206,5 @@ def _described(problem: MatchProblem, decision: Decision, mirrored: bool) -> Mat
         positions=frozen(positions),
         barycentric=barycentric_map(positions, p2p, y.full),
         log=problem.log,
+        landmark_errors=frozen(problem.known.landmark_errors(p2p) if problem.known else np.zeros(0)),
     )

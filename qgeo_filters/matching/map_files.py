@@ -106,7 +106,8 @@ def read_match(path: str | PathLike[str], kind: Any) -> dict[str, Any]:
         arrays = saved_arrays(file)
         others = _document(arrays)
         values = {field.name: _value(field.name, arrays, others) for field in fields(kind)}
-        lacking = [f.name for f in fields(kind) if values[f.name] is MISSING and f.default is MISSING]
+        needed = [f.name for f in fields(kind) if f.default is MISSING and f.default_factory is MISSING]
+        lacking = [name for name in needed if values[name] is MISSING]
         if lacking:
             raise MeshError(f"the match has no {lacking[0]}: it was saved by another version of the package")
         values = {name: value for name, value in values.items() if value is not MISSING}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
 from typing import Any, Literal
@@ -20,7 +20,7 @@ from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.match_story import story
 from qgeo_filters.repair.welding import welded
 from qgeo_filters.surface import Surface
-from qgeo_filters.validation import checked_indices
+from qgeo_filters.validation import checked_indices, frozen
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +68,8 @@ class MatchResult:
     repairs : tuple of str
         What was repaired before, a sentence each, beginning with "X: " or "Y: "; empty if nothing was. A vertex that
         had to go has no partner.
+    landmark_errors : (k,) float64
+        Distance on Y between the image of each landmark that was given and its partner, in units of sqrt(area).
 
     Examples
     --------
@@ -98,6 +100,7 @@ class MatchResult:
     barycentric: BarycentricMap
     log: MatchLog
     repairs: tuple[str, ...] = ()
+    landmark_errors: FloatArray = field(default_factory=lambda: frozen(np.zeros(0)))
 
     @cached_property
     def inverse_barycentric(self) -> BarycentricMap:

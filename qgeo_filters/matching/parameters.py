@@ -229,6 +229,22 @@ class MatchingParameters:
     part_better: float = 0.8
     part_moved: float = 0.04
 
+    # -- hints (landmarks and labels) ------------------------------------------------------------------------
+    #: A landmark may be this far off, and a border of labels: a few edges at 5000 vertices.
+    hint_softness: float = 0.05
+    #: What lies this near to a landmark, or to a labelled part, should go where that goes: a paw.
+    hint_surroundings: float = 0.1
+    #: Disagreement, summed over the hints, that makes a map twice as dear.
+    hint_scale: float = 0.02
+    #: Known parts whose distances tell points apart.
+    hints_that_locate: int = 3
+    #: In the registration distances from landmarks and labelled parts count as positions do, times this ...
+    hint_weight: float = 1.0
+    #: ... but saturate at this: a hint is silent far away.
+    hint_reach: float = 0.25
+    #: From here on a hint contradicts the map.
+    hint_contradicts: float = 0.1
+
     # -- what a result says ----------------------------------------------------------------------------------
     #: Points to which distances are compared for the distortion.
     probes: int = 200

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
-from qgeo_filters._typing import RepairOption
+import numpy as np
+
+from qgeo_filters._typing import FloatArray, IndexArray, RepairOption
 from qgeo_filters.errors import ParameterError, concerning
+from qgeo_filters.matching.hints import Hints, LabelPair, LandmarkPairs
+from qgeo_filters.matching.known_parts import KnownParts
 from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape, Shape
@@ -24,6 +29,8 @@ class MatchProblem:
         What was proposed so far, and what became of it.
     reflection : bool
         Whether Y is X's image in a mirror, vertex by vertex, and the identity is no answer: a self-symmetry.
+    hints : Hints, optional
+        What is known of the map.
     """
 
     x: PreparedShape
@@ -31,6 +38,7 @@ class MatchProblem:
     parameters: MatchingParameters = field(default_factory=MatchingParameters)
     log: MatchLog = field(default_factory=MatchLog)
     reflection: bool = False
+    hints: Hints | None = None
 
     @classmethod
     def of(
@@ -40,6 +48,8 @@ class MatchProblem:
         parameters: MatchingParameters | None = None,
         *,
         repair: RepairOption = "auto",
+        landmarks: LandmarkPairs | None = None,
+        labels: LabelPair | None = None,
         progress: bool = False,
     ) -> MatchProblem:
         """Problem of two shapes, prepared already or not.
@@ -51,20 +61,26 @@ class MatchProblem:
             Those that a shape was prepared with, by default.
         repair : bool, "auto" or "force"
             Of shapes that are not prepared yet, see `PreparedShape`.
+        landmarks, labels : optional
+            What is known, in vertices of the surfaces that were given, see `Hints.of`.
 
         Raises
         ------
         MeshError
             A shape that cannot be matched; the message begins with X or Y.
         ParameterError
-            Shapes that were prepared with different parameters: their distances, and so maps, cannot be compared.
+            Hints that cannot be; shapes that were prepared with different parameters: their distances, and so maps,
+            cannot be compared.
         """
         chosen = _chosen(parameters, x, y)
         with concerning("X"):
             first = _prepared(x, chosen, repair, progress)
         with concerning("Y"):
             second = _prepared(y, chosen, repair, progress)
-        return cls(first, second, chosen)
+        known = landmarks is not None or labels is not None
+        return cls(
+            first, second, chosen, hints=Hints.of(first.given, second.given, landmarks, labels) if known else None
+        )
 
     @classmethod
     def of_reflection(
@@ -80,9 +96,35 @@ class MatchProblem:
         shape = _prepared(x, chosen, repair, progress)
         return cls(shape, shape.mirrored, chosen, reflection=True)
 
+    @cached_property
+    def known(self) -> KnownParts | None:
+        """Parts of X and Y that are known to belong together, if any are."""
+        if not self.hints:
+            return None
+        known = KnownParts.of(self.hints, self.x, self.y, self.parameters)
+        return known if len(known.to_x) else None
+
     def with_mirrored_y(self) -> MatchProblem:
         """The problem of X and the mirror image of Y: maps that reverse the orientation keep it there."""
-        return replace(self, y=self.y.mirrored)
+        return replace(self, y=self.y.mirrored).with_known(self.known)  # intrinsically the same
+
+    def with_known(self, known: KnownParts | None) -> MatchProblem:
+        """The same problem, but for what is known."""
+        other = replace(self)
+        other.__dict__["known"] = known
+        return other
+
+    def penalties(self, points: IndexArray, p2p: IndexArray) -> FloatArray:
+        """How many times as dear maps of these points are for what they do to the hints, (...); 1 without any.
+
+        Parameters
+        ----------
+        points : (s,) int
+            Vertices of X.
+        p2p : (..., s) int
+            Vertex of Y for each of them.
+        """
+        return self.known.penalties(points, p2p) if self.known else np.ones(p2p.shape[:-1])
 
 
 def _chosen(parameters: MatchingParameters | None, *shapes: Shape) -> MatchingParameters:

@@ -105,6 +105,10 @@ class _State:
         if stage.hks:
             left.append(stage.hks * x.log_hks)
             right.append(stage.hks * y.log_hks)
+        if self.problem.known:
+            profiles = self.problem.known.profiles
+            left.append(self.problem.parameters.hint_weight * profiles[0])
+            right.append(self.problem.parameters.hint_weight * profiles[1])
         self.embeddings = np.column_stack(left).astype(np.float32), np.column_stack(right).astype(np.float32)
         self.points_x, self.points_y = step.points_x, step.points_y
         forth, back = nearest_neighbors_both_ways(self.embeddings[0][self.points_x], self.embeddings[1][self.points_y])

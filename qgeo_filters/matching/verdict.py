@@ -6,7 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from qgeo_filters._typing import IndexArray
 from qgeo_filters.matching.parameters import MatchingParameters
+from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.repair.winding import Winding
 
 
@@ -35,6 +37,41 @@ def verdict(
         return False, hand
     rival = f"the next different map costs {margin:.1f} times as much" if margin < np.inf else "there is no other map"
     return True, f"distances are kept to {score:.3f} sqrt(area) in the mean; {rival}"
+
+
+def with_hints(
+    problem: MatchProblem, p2p: IndexArray, unhinted: float, confident: bool, explanation: str
+) -> tuple[bool, str]:
+    """The verdict once it is known what the map (n_x,) does to the hints, and what they did to the choice.
+
+    Parameters
+    ----------
+    unhinted : float
+        See `Decision`.
+    """
+    known, hints = problem.known, problem.hints
+    if known is None or hints is None:
+        return confident, explanation
+    contradicted, k = known.contradicted(p2p), len(known.landmarks)
+    errors, surroundings = known.landmark_errors(p2p), known.errors(np.arange(len(p2p)), p2p)
+    others = "the rest" if contradicted.sum() < len(contradicted) else "the shapes"
+    said = []
+    for i in np.flatnonzero(contradicted[:k]):
+        a, b = hints.landmarks[i]
+        said.append(
+            f"landmark {i} (vertex {a} of X, vertex {b} of Y) contradicts {others}: it is "
+            f"{max(errors[i], surroundings[i]):.2f} sqrt(area) from where the map takes it"
+        )
+    for i in np.flatnonzero(contradicted[k:]):
+        said.append(
+            f"label {known.labels[i]} contradicts {others}: its part is {surroundings[k + i]:.2f} sqrt(area) from "
+            "where the map takes it"
+        )
+    if unhinted * problem.parameters.margin < 1:
+        said.append(f"without the hints another map would have been chosen, which costs {unhinted:.2f} times as much")
+    if not said:
+        return confident, f"{explanation}; it agrees with the hints"
+    return False, "; ".join([*said, explanation])
 
 
 def with_sides(winding: Mapping[str, Winding], confident: bool, explanation: str) -> tuple[bool, str]:

@@ -353,3 +353,72 @@ def test_snapshot_is_written_whole(widget, tmp_path):
     png = widget.snapshot(tmp_path / "a.png")
     assert (tmp_path / "a.png").read_bytes() == png
     assert [p.name for p in tmp_path.iterdir()] == ["a.png"]
+
+
+# -- landmarks -----------------------------------------------------------------------------------------------
+
+
+def test_a_pick_on_each_shape_becomes_a_landmark_with_a_mark_on_both(widget, pair):
+    widget._list.use.click()
+    assert widget.message.startswith("Click a point on X, and then on Y where it belongs")
+    widget._clicked(0, 5)
+    widget._clicked(1, 40)
+    widget._list.use.click()
+    assert (widget.landmarks, widget.message) == ([(5, 40)], "")
+    for pane, vertex in zip(widget._viewer.panes, (5, 40), strict=True):
+        np.testing.assert_array_equal(pane.marks["landmark 0"][0], pane.surface.vertices[vertex])
+    on_x, on_y = (pane.marks["landmark 0"][1] for pane in widget._viewer.panes)
+    assert on_x == on_y
+    widget._clicked(1, 33)  # one pick alone: the map is right there
+    widget._list.use.click()
+    assert widget.landmarks == [(5, 40), (int(np.flatnonzero(pair[2] == 33)[0]), 33)]
+    widget.second = None
+    widget._clicked(1, 9)
+    widget._list.use.click()
+    assert "Both points were picked on one shape" in widget.message
+    widget._clicked(0, 5)  # the same vertex again: the new partner stands
+    widget._clicked(1, 60)
+    widget._list.use.click()
+    assert widget.landmarks[-1] == (5, 60)
+    assert len(widget.landmarks) == 2
+
+
+def test_landmarks_are_listed_and_removed(widget):
+    widget.landmarks = [(5, 40), (6, 41)]
+    rows = widget._list._rows.children
+    assert ["vertex 5 of X, vertex 40 of Y" in rows[0].children[0].value, len(rows)] == [True, 2]
+    rows[0].children[1].click()
+    assert widget.landmarks == [(6, 41)]
+    for pane, vertex in zip(widget._viewer.panes, (6, 41), strict=True):
+        np.testing.assert_array_equal(pane.marks["landmark 0"][0], pane.surface.vertices[vertex])
+        assert "landmark 1" not in pane.marks
+    with pytest.raises(ValueError, match="landmark 0 on Y is vertex 5000"):
+        widget.landmarks = [(1, 5000)]
+
+
+def test_matched_again_the_map_agrees_with_the_landmarks(pair, counted):
+    """From a wrong map, in the background, as the button does it; with the colours of a found map."""
+    x, y, where = pair
+    widget = qw.compare(x, y, p2p=np.roll(where, 1), truth=where)
+    widget.mode = names.ERROR
+    assert widget._field.values[0].mean() > 0.1
+    widget.landmarks = [(i, int(where[i])) for i in (3, 50, 110)]
+    widget._list.again.click()
+    widget._running.join(120)
+    assert (widget.message, widget._list.busy, widget._list.again.disabled) == ("", False, False)
+    assert (widget.p2p == where).mean() > 0.95
+    assert widget.mode == names.ERROR  # and it is drawn anew
+    assert widget._field.values[0].mean() < 0.02
+    assert {names.REGIONS, names.DISTORTION} <= set(widget._mode_list.options) == set(widget.modes)
+    assert "it agrees with the hints" in widget._orientation.value
+    assert "the map comes within 0.0" in widget._list._rows.children[0].children[0].value
+    widget.close()
+    assert counted() == 0
+
+
+def test_landmarks_that_cannot_be_are_a_sentence(widget, pair):
+    before = widget.p2p
+    widget.landmarks = [(5, 40), (5, 41)]
+    widget.match_again()
+    assert "landmarks contradict each other: vertex 5 of X belongs to vertices 40, 41 of Y" in widget.message
+    np.testing.assert_array_equal(widget.p2p, before)

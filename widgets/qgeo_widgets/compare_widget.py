@@ -5,19 +5,17 @@ from __future__ import annotations
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
-import ipywidgets
 import numpy as np
 import numpy.typing as npt
 import traitlets
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.defaults import EIGENPAIRS
-from qgeo_filters.filters import stages
 from qgeo_filters.report.colors import position_colors
-from qgeo_filters.validation import checked_index
 from qgeo_widgets import controls
-from qgeo_widgets.base import ATTRIBUTE, EIGENFUNCTION, ShapeWidget
+from qgeo_widgets.base import ATTRIBUTE, EIGENFUNCTION
 from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field, region_field
+from qgeo_widgets.matching_widget import SIDES, MatchingWidget
 from qgeo_widgets.scene_placement import aligned_placement, placement_of
 from qgeo_widgets.shape import Shape
 from qgeo_widgets.vertex_map import VertexMap
@@ -26,35 +24,25 @@ from qgeo_widgets.viewer import Viewer
 if TYPE_CHECKING:
     from qgeo_filters.matching.match_result import MatchResult
 
-Pick = tuple[str, int]
-
 CARRIED = "colours carried from X to Y"
 REGIONS = "matched regions"
 DISTORTION = "distortion of distances"
 DISTANCE = "distance from the picked point"
 ERROR = "error against the truth"
-_SIDES = ("x", "y")
 _COLORS = {"first": (0.86, 0.11, 0.16), "second": (0.98, 0.70, 0.10)}
 
 
-class CompareWidget(ShapeWidget):
-    """Two linked views and the map between them; see `qgeo_widgets.compare`.
+class CompareWidget(MatchingWidget):
+    """Two linked views and the map between them; see `qgeo_widgets.compare`, and `MatchingWidget` for more attributes.
 
     Attributes
     ----------
-    picked, second : (str, int) or None
-        The points that were clicked, as ``("x", vertex)`` or ``("y", vertex)``. A third click starts anew.
     follow : bool
         Whether a click also shows the distances from it.
-    flip : bool
-        Show the mirrored twin of the map: the map followed by the self-symmetry of Y.
     """
 
     _page_title = "Two shapes and the map between them"
-    picked = traitlets.Tuple(traitlets.Enum(_SIDES), traitlets.Int(), default_value=None, allow_none=True)
-    second = traitlets.Tuple(traitlets.Enum(_SIDES), traitlets.Int(), default_value=None, allow_none=True)
     follow = traitlets.Bool(True)
-    flip = traitlets.Bool(False)
 
     def __init__(
         self,
@@ -69,10 +57,8 @@ class CompareWidget(ShapeWidget):
     ) -> None:
         super().__init__()
         with self._guarded():
-            self._shapes = Shape(x, "X", curvature_weight), Shape(y, "Y", curvature_weight)
+            self._set_up((Shape(x, "X", curvature_weight), Shape(y, "Y", curvature_weight)), p2p, progress)
             one, other = surfaces = [shape.surface for shape in self._shapes]
-            self._correspondence: MatchResult | None = None
-            self._map = self._given = VertexMap(one, other, self._matched(progress) if p2p is None else p2p)
             self._truth = None if truth is None else VertexMap(one, other, truth)
             self._errors_of: dict[bool, FloatArray] = {}
             placement_x = placement_of(surfaces[0])
@@ -82,21 +68,13 @@ class CompareWidget(ShapeWidget):
             viewer = Viewer(surfaces, [placement_x, placement_y], size, titles)
             self._modes = self._make_modes()
             follow = controls.tick("distances on click", True, "a click also shows the distances from the point")
-            flip = controls.tick("mirrored", False, "the map followed by the self-symmetry of Y")
-            self._orientation = ipywidgets.HTML()
             traitlets.link((self, "follow"), (follow, "value"))
-            traitlets.link((self, "flip"), (flip, "value"))
             viewer.on_pick(self._clicked)
-            self._assemble(viewer, ["X", "Y"], CARRIED, beside=[follow, flip], below=[self._orientation])
+            beside, below = self._map_controls()
+            self._assemble(viewer, ["X", "Y"], CARRIED, beside=[follow, *beside], below=below)
             self.observe(lambda _: self._show_picks(), ["picked", "second"])
-            self.observe(lambda _: self._flip(), "flip")
             self._show_picks()
             self._show_orientation()
-
-    @property
-    def p2p(self) -> npt.NDArray[np.int64]:
-        """The map that is shown, (n_x,): vertex of Y for each vertex of X."""
-        return self._map.forward
 
     @property
     def pairs(self) -> list[tuple[int, int]]:
@@ -105,54 +83,21 @@ class CompareWidget(ShapeWidget):
 
     # -- the map ------------------------------------------------------------------------------------
 
-    def _matched(self, progress: bool) -> npt.NDArray[np.integer]:
-        one, other = (shape.surface for shape in self._shapes)
-        found = self._correspondence = stages.correspondence_of(one, other, True, progress)
-        return found.p2p
-
-    def _flip(self) -> None:
-        with self._guarded():
-            mirror = self._mirror if self.flip else None
-            if self.flip and mirror is None:
-                self.flip = False  # the map that is shown is the one that was given
-                self.message = "No symmetry was found on Y, so that the map has no mirrored twin."
-                return
-            self._map = self._given if mirror is None else self._given.then(mirror)
-            self._show_orientation()
-            self._show_picks()
-            self._refresh(new_mode=True)
-
-    @cached_property
-    def _mirror(self) -> npt.NDArray[np.integer] | None:
-        """Mirror vertex of each vertex of Y; None where no symmetry is found."""
-        symmetry = stages.symmetry_of(self._shapes[1].surface)
-        return symmetry.p2p if symmetry.found else None
-
-    def _show_orientation(self) -> None:
-        value = self._map.orientation
-        verdict = (
-            "keeps the orientation" if value > 0.1 else "is mirrored" if value < -0.1 else "has no clear orientation"
-        )
-        rows = [["map", f"{verdict} (mean cosine of carried and own normals {value:+.2f})"]]
-        found = self._correspondence
-        if found is not None:
-            sure = "confident" if found.confident else "not confident"
-            rows.append(
-                ["score", f"{found.score:.4f} √area, mean distortion of distances; {sure}: {found.explanation}"]
-            )
-        self._orientation.value = controls.table(rows)
+    def _map_changed(self) -> None:
+        self._errors_of = {}
+        mode, self._modes = self.mode, self._make_modes()
+        if tuple(self._mode_list.options) != self.modes:
+            with self.hold_trait_notifications():
+                self._mode_list.options = self.modes
+                self.mode = self._mode_list.value = mode
+        self._show_orientation()
+        self._show_picks()
+        self._refresh(new_mode=True)
 
     # -- picking ------------------------------------------------------------------------------------
 
-    @traitlets.validate("picked", "second")
-    def _valid_pick(self, proposal: Any) -> Pick | None:
-        pick = proposal["value"]
-        if pick is not None and self._viewer is not None:
-            checked_index(pick[1], self._shapes[_SIDES.index(pick[0])].surface.n_vertices, proposal["trait"].name)
-        return pick
-
     def _clicked(self, pane: int, vertex: int) -> None:
-        pick = _SIDES[pane], vertex
+        pick = SIDES[pane], vertex
         if self.picked is None or self.second is not None:
             self.set_trait("second", None)
             self.picked = pick
@@ -160,12 +105,6 @@ class CompareWidget(ShapeWidget):
                 self.mode = DISTANCE
         else:
             self.second = pick
-
-    def _pair(self, pick: Pick) -> tuple[int, int]:
-        side, vertex = pick
-        if side == "x":
-            return vertex, int(self._map.forward[vertex])
-        return int(self._map.backward[vertex]), vertex
 
     def _show_picks(self) -> None:
         if self._viewer is None:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from qgeo_filters._typing import IndexArray
+from qgeo_filters._typing import IndexArray, SingleArray
 from qgeo_filters.matching.initialization.hypothesis import Hypothesis
 from qgeo_filters.matching.maps.map_distance import between_fps, coarse_distortions, displacement, distinct_maps
 from qgeo_filters.matching.parameters import MatchingParameters
@@ -24,8 +26,8 @@ def agd_extrema(shape: PreparedShape, parameters: MatchingParameters) -> IndexAr
 def extrema_maps(problem: MatchProblem) -> list[Hypothesis]:
     """Distinct coarse maps from X to Y by increasing distortion, one for each likely matching of extrema.
 
-    Each point goes to the one whose distances to the matched extrema are the most alike. For a reflection extrema
-    are exchanged in pairs, and at most half of them stay.
+    Each point goes to the one whose distances to the matched extrema are the most alike. Landmarks count as extrema
+    whose partners are known. For a reflection extrema are exchanged in pairs, and at most half of them stay.
 
     References
     ----------
@@ -36,10 +38,10 @@ def extrema_maps(problem: MatchProblem) -> list[Hypothesis]:
     s = min(given.coarse_points, len(x.fps_distances), len(y.fps_distances))
     points_x, points_y = x.fps[:s], y.fps[:s]
     near_x, near_y = between_fps(x.fps_distances, points_x), between_fps(y.fps_distances, points_y)
-    ends_x, ends_y = agd_extrema(x, given), agd_extrema(y, given)
-    to_x, to_y = x.fps_distances[ends_x][:, points_x].T, y.fps_distances[ends_y][:, points_y].T
+    ends_x, ends_y, fixed = _ends(problem)
+    to_x, to_y = ends_x.distances[:, points_x].T, ends_y.distances[:, points_y].T
     found: list[IndexArray] = []
-    for matching in _matchings(problem, ends_x, ends_y):
+    for matching in _matchings(problem, ends_x, ends_y, fixed):
         matched = matching >= 0
         if matched.sum() >= given.extrema_fewest:
             left, right = to_x[:, matched], to_y[:, matching[matched]]
@@ -48,7 +50,7 @@ def extrema_maps(problem: MatchProblem) -> list[Hypothesis]:
                 found.append(images)
     maps = np.array(found, dtype=np.int64).reshape(-1, s)
     distortions = coarse_distortions(near_x, near_y, maps)
-    order = np.argsort(distortions, kind="stable")
+    order = np.argsort(distortions * problem.penalties(points_x, points_y[maps]), kind="stable")
     kept = order[list(distinct_maps(list(maps[order]), near_y, given.extrema_hypotheses, given))]
     hypotheses = []
     for i in kept:
@@ -57,16 +59,39 @@ def extrema_maps(problem: MatchProblem) -> list[Hypothesis]:
     return hypotheses
 
 
-def _matchings(problem: MatchProblem, ends_x: IndexArray, ends_y: IndexArray) -> IndexArray:
-    """The cheapest injective matchings (h, len(ends_x)) of extrema, -1 where unmatched, by a beam search."""
-    x, y, given = problem.x, problem.y, problem.parameters
-    between_x = x.fps_distances[ends_x][:, x.fps[ends_x]]
-    between_y = y.fps_distances[ends_y][:, y.fps[ends_y]]
-    mean_x, mean_y = x.fps_distances[ends_x].mean(axis=1), y.fps_distances[ends_y].mean(axis=1)
-    options = np.arange(-1, len(ends_y))
+@dataclass(frozen=True, eq=False)
+class _Ends:
+    """Points that are matched: their vertices (e,), and their distances to all vertices, (e, n)."""
+
+    vertices: IndexArray
+    distances: SingleArray
+
+
+def _ends(problem: MatchProblem) -> tuple[_Ends, _Ends, int]:
+    """Points of X and of Y to be matched, and how many of them, the first ones, are landmarks: partners by number."""
+    known, ends = problem.known, []
+    fixed = len(known.landmarks) if known else 0
+    for side, shape in enumerate((problem.x, problem.y)):
+        places = agd_extrema(shape, problem.parameters)
+        vertices, distances = shape.fps[places], shape.fps_distances[places]
+        if known and fixed:
+            to_landmarks = (known.to_x, known.to_y)[side][:fixed]
+            others = to_landmarks[:, vertices].min(axis=0) > problem.parameters.extrema_radius
+            vertices = np.concatenate([known.landmarks[:, side], vertices[others]])
+            distances = np.concatenate([to_landmarks, distances[others]])
+        ends.append(_Ends(vertices, distances))
+    return ends[0], ends[1], fixed
+
+
+def _matchings(problem: MatchProblem, ends_x: _Ends, ends_y: _Ends, fixed: int) -> IndexArray:
+    """The cheapest injective matchings (h, e) of extrema, -1 where unmatched, by a beam search."""
+    given, count = problem.parameters, len(ends_x.vertices)
+    between_x, between_y = (ends.distances[:, ends.vertices] for ends in (ends_x, ends_y))
+    mean_x, mean_y = ends_x.distances.mean(axis=1), ends_y.distances.mean(axis=1)
     chosen = np.zeros((1, 0), dtype=np.int64)
     costs = np.zeros(1)
-    for i in range(len(ends_x)):
+    for i in range(count):
+        options = np.array([i]) if i < fixed else np.arange(-1, len(ends_y.vertices))
         before = np.repeat(chosen, len(options), axis=0)
         option = np.tile(options, len(chosen))
         pairs = np.abs(between_x[i, :i] - between_y[option[:, None], before])
@@ -82,6 +107,6 @@ def _matchings(problem: MatchProblem, ends_x: IndexArray, ends_y: IndexArray) ->
         kept = kept[np.isfinite(total[kept])]
         chosen, costs = np.column_stack([before[kept], option[kept]]), total[kept]
     if problem.reflection:
-        stay = (chosen == np.arange(len(ends_x))).sum(axis=1)
+        stay = (chosen == np.arange(count)).sum(axis=1)
         chosen = chosen[2 * stay <= (chosen >= 0).sum(axis=1)]
     return chosen[: given.extrema_matchings]

@@ -9,6 +9,8 @@ import numpy as np
 
 from qgeo_filters._typing import IndexArray
 from qgeo_filters.matching.initialization.agd_extrema import extrema_maps
+from qgeo_filters.matching.initialization.hypothesis import Hypothesis
+from qgeo_filters.matching.initialization.landmark_maps import landmark_maps
 from qgeo_filters.matching.initialization.sign_search import sign_search
 from qgeo_filters.matching.initialization.upsampling import laplacian_lift, zoomout_lift
 from qgeo_filters.matching.maps.map_distance import mean_distortion
@@ -32,12 +34,20 @@ class Candidate:
         See `orientation`; over some of the triangles.
     number : int
         In the log of the problem.
+    penalty : float
+        See `MatchProblem.penalties`: 1 without hints.
     """
 
     p2p: IndexArray
     mean_distortion: float
     orientation: float
     number: int
+    penalty: float = 1.0
+
+    @property
+    def rank(self) -> float:
+        """What candidates are sorted by: the distortion, times the penalty."""
+        return self.mean_distortion * self.penalty
 
 
 def mapped_points(problem: MatchProblem) -> IndexArray:
@@ -46,7 +56,7 @@ def mapped_points(problem: MatchProblem) -> IndexArray:
 
 
 def candidates(problem: MatchProblem) -> list[Candidate]:
-    """Different maps from X to Y, the least distorting first.
+    """Different maps from X to Y, those of least rank first.
 
     Maps that neither keep nor reverse the orientation are left out, unless there are no others.
     """
@@ -55,24 +65,24 @@ def candidates(problem: MatchProblem) -> list[Candidate]:
     # For a reflection, what is left near the identity may keep distances better than any reflection does.
     bound = np.inf
     if hypotheses and not problem.reflection:
-        least = max(hypotheses[0].mean_distortion, given.candidate_floor)
+        least = max(_rank(problem, hypotheses[0]), given.candidate_floor)
         bound = given.candidate_ratio * least + given.ratio_slack
-    worth = [h for h in hypotheses if h.mean_distortion <= bound]
+    worth = [h for h in hypotheses if _rank(problem, h) <= bound]
     for h in hypotheses:
-        if h.mean_distortion > bound:
-            log.drop(h.number, f"distorts distances by more than {bound:.3f}")
-    guesses = extrema_maps(problem)
+        if _rank(problem, h) > bound:
+            log.drop(h.number, dearer_than(problem, bound))
+    guesses = extrema_maps(problem) + landmark_maps(problem)
     points, triangles = mapped_points(problem), _largest_triangles(problem.x, given.candidate_triangles)
     vertices = np.concatenate([points, triangles.ravel()])
 
     def measured(number: int, images: IndexArray) -> Candidate:
         p2p, corners = images[: len(points)], images[len(points) :].reshape(-1, 3)
         cosine = float(normal_cosines(problem.y.unit, corners).mean())
-        return Candidate(p2p, mean_distortion(problem, p2p), cosine, number)
+        return Candidate(p2p, mean_distortion(problem, p2p), cosine, number, float(problem.penalties(points, p2p)))
 
     tasks = [(h.number, partial(zoomout_lift, problem, h, vertices)) for h in worth]
     tasks += [(guess.number, partial(laplacian_lift, problem, guess, vertices)) for guess in guesses]
-    found = sorted(concurrently(lambda task: measured(task[0], task[1]()), tasks), key=lambda c: c.mean_distortion)
+    found = sorted(concurrently(lambda task: measured(task[0], task[1]()), tasks), key=lambda c: c.rank)
     for c in found:
         log.note(c.number, mean_distortion=c.mean_distortion, orientation=c.orientation)
     one_sided = [c for c in found if abs(c.orientation) > given.one_sided]
@@ -98,7 +108,17 @@ def mirrored_map(problem: MatchProblem, c: Candidate, mirror: IndexArray, *, of_
         p2p = c.p2p[rows[:, mirror[x.fps[: len(rows)]]].argmin(axis=0)]
     distortion = mean_distortion(problem, p2p)
     number = problem.log.propose(f"#{c.number} by the symmetry of {'Y' if of_y else 'X'}", distortion, -c.orientation)
-    return Candidate(p2p, distortion, -c.orientation, number)
+    penalty = float(problem.penalties(mapped_points(problem), p2p))
+    return Candidate(p2p, distortion, -c.orientation, number, penalty)
+
+
+def dearer_than(problem: MatchProblem, bound: float) -> str:
+    """The rule that drops maps of a rank above the bound, in words."""
+    return f"distorts distances by more than {bound:.3f}" + (", or disagrees with the hints" if problem.known else "")
+
+
+def _rank(problem: MatchProblem, h: Hypothesis) -> float:
+    return h.mean_distortion * float(problem.penalties(h.points, h.p2p))
 
 
 def _largest_triangles(x: PreparedShape, count: int) -> IndexArray:

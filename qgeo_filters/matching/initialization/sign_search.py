@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
+from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.matching.initialization.hypothesis import Hypothesis
 from qgeo_filters.matching.maps.functional_map import nearest_neighbors, procrustes
 from qgeo_filters.matching.maps.map_distance import between_fps, coarse_distortions, displacement, distinct_maps
@@ -17,7 +17,7 @@ from qgeo_filters.parallel import concurrently
 
 
 def sign_search(problem: MatchProblem) -> list[Hypothesis]:
-    """Distinct coarse maps from X to Y by increasing geodesic distortion.
+    """Distinct coarse maps from X to Y by increasing geodesic distortion, times their penalties if there are hints.
 
     An isometry takes each eigenfunction of the distances to one of the other shape with the same eigenvalue, up to
     its sign; nearly equal eigenvalues may come in either order. For each choice of signs (and orders) of the first
@@ -35,16 +35,21 @@ def sign_search(problem: MatchProblem) -> list[Hypothesis]:
     pairs = zip(x.embeddings, y.embeddings, strict=True)
     grown = concurrently(lambda pair: _grown_maps(problem, *pair, points_x, points_y), pairs)
     found = [
-        (float(distortion), images, metric)
+        (float(distortion), images, metric, float(distortion * penalty))
         for metric, maps in enumerate(grown)
-        for images, distortion in zip(maps, coarse_distortions(near_x, near_y, maps), strict=True)
+        for images, distortion, penalty in zip(
+            maps,
+            coarse_distortions(near_x, near_y, maps),
+            problem.penalties(points_x, points_y[maps]),
+            strict=True,
+        )
     ]
-    found.sort(key=lambda entry: entry[0])
+    found.sort(key=lambda entry: entry[3])
     if problem.reflection:
         found = [entry for entry in found if displacement(near_y, entry[1]) > given.near_identity]
     hypotheses = []
-    for place in distinct_maps([images for _, images, _ in found], near_y, given.sign_hypotheses, given):
-        distortion, images, metric = found[place]
+    for place in distinct_maps([images for _, images, *_ in found], near_y, given.sign_hypotheses, given):
+        distortion, images, metric, _ = found[place]
         by = f"signs of eigenfunctions, curvature weight {given.curvature_weights[metric]:g}"
         number = problem.log.propose(by, distortion)
         hypotheses.append(Hypothesis(points_x, points_y[images], distortion, metric, number))
@@ -74,12 +79,16 @@ def eigenfunction_orders(
 def _grown_maps(
     problem: MatchProblem, x: MetricEmbedding, y: MetricEmbedding, points_x: IndexArray, points_y: IndexArray
 ) -> IndexArray:
-    """Maps (h, s) into ``points_y`` of the best choices of signs and orders, the least distorting first."""
+    """Maps (h, s) into ``points_y`` of the best choices of signs and orders, the best first."""
     given = problem.parameters
     phi_x, phi_y = x.eigenfunctions[points_x], y.eigenfunctions[points_y]
     width = min(phi_x.shape[1], phi_y.shape[1], given.signs_grown)
     start = min(given.signs_enumerated, width)
     near_x, near_y = between_fps(x.fps_distances, points_x), between_fps(y.fps_distances, points_y)
+
+    def best(maps: IndexArray, count: int) -> IndexArray:
+        values = coarse_distortions(near_x, near_y, maps) * problem.penalties(points_x, points_y[maps])
+        return maps[np.argsort(values, kind="stable")[:count]]
 
     def elsewhere(maps: IndexArray) -> IndexArray:
         if not problem.reflection:
@@ -95,7 +104,7 @@ def _grown_maps(
             for order in eigenfunction_orders(x.eigenvalues, y.eigenvalues, start, given.swap_gap)
         ]
     )
-    maps = _least_distorting(elsewhere(maps), near_x, near_y, given.sign_beam)
+    maps = best(elsewhere(maps), given.sign_beam)
     for k in range(start + 1, width + 1):
         basis = phi_x[:, :k]
         inverse = np.linalg.solve(basis.T @ basis, basis.T)
@@ -103,11 +112,6 @@ def _grown_maps(
         maps = nearest_neighbors(basis @ functional, phi_y[:, :k])
         if k in given.sign_checks:
             maps = elsewhere(maps)
-            maps = _least_distorting(maps, near_x, near_y, max(len(maps) // 3, given.sign_survivors))
-    maps = _least_distorting(maps, near_x, near_y, len(maps))
+            maps = best(maps, max(len(maps) // 3, given.sign_survivors))
+    maps = best(maps, len(maps))
     return maps[list(distinct_maps(list(maps), near_y, given.sign_survivors, given))]
-
-
-def _least_distorting(maps: IndexArray, near_x: SingleArray, near_y: SingleArray, count: int) -> IndexArray:
-    values = coarse_distortions(near_x, near_y, maps)
-    return maps[np.argsort(values, kind="stable")[:count]]

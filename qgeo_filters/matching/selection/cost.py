@@ -40,6 +40,8 @@ class Contender:
         The cost, and how unlike the smoothed curvature is, squared: for maps that have settled, details included.
     number : int
         In the log of the problem.
+    penalty : float
+        By which both costs were multiplied for what the map does to the hints; 1 without any.
     """
 
     dense: DenseMap
@@ -52,6 +54,7 @@ class Contender:
     cost: float
     end_cost: float
     number: int
+    penalty: float = 1.0
 
 
 def registered(
@@ -78,9 +81,11 @@ def measured(problem: MatchProblem, dense: DenseMap, number: int) -> Contender:
     torn, strain = torn_share(problem, p2p), x.arap.energy(dense.positions)
     distortion = mean_distortion(problem, p2p[x.fps])
     hks, curvature = hks_agreement(problem, p2p), curvature_agreement(problem, p2p)
-    cost = _cost(given, distortion, strain, torn, folded, hks)
+    # Squared: the cost is a product of several terms, each of which may grow as the distortion does.
+    penalty = float(problem.penalties(x.fps, p2p[x.fps])) ** 2
+    cost = penalty * _cost(given, distortion, strain, torn, folded, hks)
     end_cost = cost * (1 - curvature + given.least_curvature_gap) ** 2
-    return Contender(dense, distortion, strain, torn, folded, hks, curvature, cost, end_cost, number)
+    return Contender(dense, distortion, strain, torn, folded, hks, curvature, cost, end_cost, number, penalty)
 
 
 def torn_share(problem: MatchProblem, p2p: IndexArray) -> float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from qgeo_filters.matching.initialization.candidates import Candidate, mapped_points
+from qgeo_filters.matching.initialization.candidates import Candidate, dearer_than, mapped_points
 from qgeo_filters.matching.maps.map_distance import are_different, landmark_lower_bound
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.schedule import Schedule
@@ -31,20 +31,22 @@ class Decision:
         How many times its cost the next different contender's is; inf if there is none.
     runner_up : float
         Distortion of that one.
+    unhinted : float
+        How many times its cost the cheapest different contender's would be if there were no hints; inf without any.
     """
 
     dense: DenseMap
     mean_distortion: float
     margin: float
     runner_up: float
+    unhinted: float = np.inf
 
 
 def choose_map(problem: MatchProblem, pool: list[Candidate]) -> Decision:
     """The best of the candidates, registered: of those that cost little in a preview the one that ends cheapest."""
     with _factorisations_released(problem):
         ranked = previewed(problem, pool)
-        best, margin, runner_up = _settled(problem, ranked, apart=problem.parameters.different_mean)
-        return _finished(problem, best, margin, runner_up)
+        return _finished(problem, *_settled(problem, ranked, apart=problem.parameters.different_mean))
 
 
 def choose_reflection(problem: MatchProblem, pool: list[Candidate]) -> Decision:
@@ -55,8 +57,8 @@ def choose_reflection(problem: MatchProblem, pool: list[Candidate]) -> Decision:
     """
     with _factorisations_released(problem):
         ranked = without_fixed_limbs(problem, previewed(problem, pool))
-        best, margin, runner_up = _settled(problem, ranked, apart=problem.parameters.reflection_apart)
-        return _finished(problem, _with_parts_turned(problem, best), margin, runner_up)
+        best, *clear = _settled(problem, ranked, apart=problem.parameters.reflection_apart)
+        return _finished(problem, _with_parts_turned(problem, best), *clear)
 
 
 @contextmanager
@@ -75,16 +77,20 @@ def previewed(problem: MatchProblem, pool: list[Candidate]) -> list[Contender]:
     in between. The maps must keep the orientation.
     """
     given, log = problem.parameters, problem.log
-    ranked = sorted(pool, key=lambda c: c.mean_distortion)
-    bound = given.preview_ratio * ranked[0].mean_distortion + given.ratio_slack
+    ranked = sorted(pool, key=lambda c: c.rank)
+    bound = given.preview_ratio * ranked[0].rank + given.ratio_slack
+    # What would win without the hints is tried in any case, so that their disagreement can be told.
+    unhinted = min(pool, key=lambda c: c.mean_distortion)
     tried: list[Candidate] = []
     for c in ranked:
         like = next((t for t in tried if not _differ(problem, c, t)), None)
         if like is not None:
             log.drop(c.number, f"the same map as #{like.number}")
-        elif c.mean_distortion > bound:
-            log.drop(c.number, f"distorts distances by more than {bound:.3f}")
-        elif len(tried) == given.preview_count:
+        elif c is unhinted:
+            tried.append(c)
+        elif c.rank > bound:
+            log.drop(c.number, dearer_than(problem, bound))
+        elif len(tried) >= given.preview_count:
             log.drop(c.number, f"not among the {given.preview_count} that distort least")
         else:
             tried.append(c)
@@ -123,8 +129,11 @@ def settled(problem: MatchProblem, close: list[Contender]) -> list[Contender]:
     return best
 
 
-def _settled(problem: MatchProblem, ranked: list[Contender], apart: float) -> tuple[Contender, float, float]:
-    """The cheapest contender, how many times as much the next one ``apart`` from it costs, and its distortion."""
+def _settled(problem: MatchProblem, ranked: list[Contender], apart: float) -> tuple[Contender, float, float, float]:
+    """The cheapest contender, how many times as much the next one ``apart`` from it costs, and its distortion.
+
+    And how many times as much the cheapest would cost if there were no hints.
+    """
     close = close_contenders(problem, ranked)
     ends = settled(problem, close)
     order = sorted(range(len(close)), key=lambda i: ends[i].end_cost)
@@ -135,7 +144,8 @@ def _settled(problem: MatchProblem, ranked: list[Contender], apart: float) -> tu
     others = [c for c in ranked if not any(c is t for t in close)]
     rivals += [(c.cost / preview.cost, c) for c in others if _gap(problem, c, best) > apart]
     margin, rival = min(rivals, key=lambda pair: pair[0], default=(np.inf, None))
-    return best, margin, rival.mean_distortion if rival else np.inf
+    unhinted = min((ratio * best.penalty / c.penalty for ratio, c in rivals), default=np.inf)
+    return best, margin, rival.mean_distortion if rival else np.inf, unhinted if problem.known else np.inf
 
 
 def _with_parts_turned(problem: MatchProblem, best: Contender) -> Contender:
@@ -154,9 +164,11 @@ def _with_parts_turned(problem: MatchProblem, best: Contender) -> Contender:
     return best
 
 
-def _finished(problem: MatchProblem, best: Contender, margin: float, runner_up: float) -> Decision:
-    dense = register(problem, best.dense.p2p, Schedule.of(problem, problem.parameters.final))
-    return Decision(dense, best.mean_distortion, margin, runner_up)
+def _finished(problem: MatchProblem, best: Contender, margin: float, runner_up: float, unhinted: float) -> Decision:
+    # What the map contradicts must not bend it any more.
+    agreed = problem.with_known(problem.known and problem.known.agreeing(best.dense.p2p))
+    dense = register(agreed, best.dense.p2p, Schedule.of(problem, problem.parameters.final))
+    return Decision(dense, best.mean_distortion, margin, runner_up, unhinted)
 
 
 def _differ(problem: MatchProblem, one: Candidate, other: Candidate) -> bool:

@@ -1,0 +1,193 @@
+"""What a widget of two shapes has besides views: the map between them, its twin, and landmarks to seek it again."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import ipywidgets
+import numpy as np
+import numpy.typing as npt
+import traitlets
+
+from qgeo_filters.errors import ParameterError
+from qgeo_filters.filters import stages
+from qgeo_filters.validation import checked_index
+from qgeo_widgets import controls
+from qgeo_widgets.base import ShapeWidget
+from qgeo_widgets.landmark_list import LandmarkList, landmark_color
+from qgeo_widgets.shape import Shape
+from qgeo_widgets.vertex_map import VertexMap
+
+if TYPE_CHECKING:
+    from qgeo_filters.matching.match_result import MatchResult
+
+Pick = tuple[str, int]
+SIDES = ("x", "y")
+
+
+class MatchingWidget(ShapeWidget):
+    """Two shapes and the map between them.
+
+    Attributes
+    ----------
+    picked, second : (str, int) or None
+        The points that were clicked, as ``("x", vertex)`` or ``("y", vertex)``. A third click starts anew.
+    flip : bool
+        Show the mirrored twin of the map: the map followed by the self-symmetry of Y.
+    landmarks : list of (int, int)
+        Vertices of X and of Y that are said to belong together: what `match_again` goes by.
+    """
+
+    picked = traitlets.Tuple(traitlets.Enum(SIDES), traitlets.Int(), default_value=None, allow_none=True)
+    second = traitlets.Tuple(traitlets.Enum(SIDES), traitlets.Int(), default_value=None, allow_none=True)
+    flip = traitlets.Bool(False)
+    landmarks: traitlets.List[tuple[int, int]] = traitlets.List(traitlets.Tuple(traitlets.Int(), traitlets.Int()))
+
+    def _set_up(self, shapes: tuple[Shape, Shape], p2p: npt.ArrayLike | None, progress: bool) -> None:
+        """Take the shapes, and the map, or find it."""
+        self._shapes = shapes
+        self._correspondence: MatchResult | None = None
+        self._running: threading.Thread | None = None
+        if p2p is None:
+            self._correspondence = self._found(progress)
+            p2p = self._correspondence.p2p
+        self._map = self._given = VertexMap(shapes[0].surface, shapes[1].surface, p2p)
+
+    def _map_controls(self) -> tuple[Sequence[ipywidgets.Widget], Sequence[ipywidgets.Widget]]:
+        """Controls of the map, for beside the list of modes, and lines for below the shapes."""
+        flip = controls.tick("mirrored", False, "the map followed by the self-symmetry of Y")
+        traitlets.link((self, "flip"), (flip, "value"))
+        self._orientation = ipywidgets.HTML()
+        self._list = LandmarkList(self.use_as_landmark, self._match_in_background)
+        traitlets.link((self, "landmarks"), (self._list, "landmarks"))
+        self.observe(lambda _: self._flip(), "flip")
+        self.observe(self._show_landmarks, "landmarks")
+        return [flip], [self._orientation, self._list]
+
+    def _map_changed(self) -> None:
+        """Show what is shown of a map that is another one now."""
+        raise NotImplementedError
+
+    # -- for users ----------------------------------------------------------------------------------
+
+    @property
+    def p2p(self) -> npt.NDArray[np.int64]:
+        """The map that is shown, (n_x,): vertex of Y for each vertex of X."""
+        return self._map.forward
+
+    def use_as_landmark(self) -> None:
+        """Say that the point picked on X belongs where the one picked on Y is; or that a single one is mapped right.
+
+        A landmark of the same vertex of X, or of Y, gives way.
+        """
+        with self._guarded():
+            picks = [pick for pick in (self.picked, self.second) if pick is not None]
+            if not picks:
+                raise ParameterError("Click a point on X, and then on Y where it belongs; the two become a landmark.")
+            vertices = dict(picks)
+            if len(picks) > 1 and len(vertices) < 2:
+                raise ParameterError("Both points were picked on one shape: click one on X, and on Y where it belongs.")
+            pair = (vertices["x"], vertices["y"]) if len(vertices) > 1 else self._pair(picks[0])
+            others = [(i, j) for i, j in self.landmarks if i != pair[0] and j != pair[1]]
+            self.landmarks = [*others, pair]
+
+    def match_again(self) -> None:
+        """Seek the map with the landmarks, and show it."""
+        with self._guarded():
+            self._take(self._found(False))
+
+    # -- inside -------------------------------------------------------------------------------------
+
+    def _found(self, progress: bool) -> MatchResult:
+        one, other = (shape.surface for shape in self._shapes)
+        return stages.correspondence_of(one, other, True, progress, landmarks=list(self.landmarks) or None)
+
+    def _take(self, found: MatchResult) -> None:
+        """Show the map that was found."""
+        if self._viewer is None:  # closed meanwhile
+            return
+        self._correspondence = found
+        self._given = VertexMap(self._shapes[0].surface, self._shapes[1].surface, found.p2p)
+        if self.flip:
+            self.flip = False  # which shows the map
+        else:
+            self._map = self._given
+            self._map_changed()
+        self._list.report(found.landmark_errors.tolist())
+
+    def _match_in_background(self) -> None:
+        """Seek the map without keeping the kernel from what else is clicked."""
+        if self._running is not None and self._running.is_alive():
+            return
+        self._running = threading.Thread(target=self._run, daemon=True)
+        self._running.start()
+
+    def _run(self) -> None:
+        self._list.busy = True
+        try:
+            self.match_again()
+        finally:
+            self._list.busy = False
+
+    def _flip(self) -> None:
+        with self._guarded():
+            mirror = self._mirror if self.flip else None
+            if self.flip and mirror is None:
+                self.flip = False  # the map that is shown is the one that was given
+                self.message = "No symmetry was found on Y, so that the map has no mirrored twin."
+                return
+            self._map = self._given if mirror is None else self._given.then(mirror)
+            self._map_changed()
+
+    @cached_property
+    def _mirror(self) -> npt.NDArray[np.integer] | None:
+        """Mirror vertex of each vertex of Y; None where no symmetry is found."""
+        symmetry = stages.symmetry_of(self._shapes[1].surface)
+        return symmetry.p2p if symmetry.found else None
+
+    def _show_orientation(self) -> None:
+        value = self._map.orientation
+        verdict = (
+            "keeps the orientation" if value > 0.1 else "is mirrored" if value < -0.1 else "has no clear orientation"
+        )
+        rows = [["map", f"{verdict} (mean cosine of carried and own normals {value:+.2f})"]]
+        found = self._correspondence
+        if found is not None:
+            sure = "confident" if found.confident else "not confident"
+            rows.append(
+                ["score", f"{found.score:.4f} √area, mean distortion of distances; {sure}: {found.explanation}"]
+            )
+        self._orientation.value = controls.table(rows)
+
+    def _show_landmarks(self, change: Any) -> None:
+        """A ball of one colour on both shapes for each landmark."""
+        for number in range(max(len(change["old"] or ()), len(change["new"]))):
+            pair = change["new"][number] if number < len(change["new"]) else (None, None)
+            for pane, vertex in zip(self._open_viewer.panes, pair, strict=True):
+                place = None if vertex is None else pane.surface.vertices[vertex]
+                pane.set_mark(f"landmark {number}", place, landmark_color(number))
+
+    @traitlets.validate("picked", "second")
+    def _valid_pick(self, proposal: Any) -> Pick | None:
+        pick: Pick | None = proposal["value"]
+        if pick is not None and self._viewer is not None:
+            checked_index(pick[1], self._shapes[SIDES.index(pick[0])].surface.n_vertices, proposal["trait"].name)
+        return pick
+
+    @traitlets.validate("landmarks")
+    def _valid_landmarks(self, proposal: Any) -> list[tuple[int, int]]:
+        pairs: list[tuple[int, int]] = proposal["value"]
+        for number, pair in enumerate(pairs if self._viewer is not None else ()):
+            for vertex, shape, side in zip(pair, self._shapes, "XY", strict=True):
+                checked_index(vertex, shape.surface.n_vertices, f"landmark {number} on {side}")
+        return pairs
+
+    def _pair(self, pick: Pick) -> tuple[int, int]:
+        """Vertex of X and of Y: the one that was picked, and its partner."""
+        side, vertex = pick
+        if side == "x":
+            return vertex, int(self._map.forward[vertex])
+        return int(self._map.backward[vertex]), vertex
