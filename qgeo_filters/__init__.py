@@ -29,6 +29,7 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .errors import NonManifoldError as NonManifoldError
     from .errors import ParameterError as ParameterError
     from .errors import QgeoError as QgeoError
+    from .errors import TooLargeError as TooLargeError
     from .filters.appearance import Paint as Paint
     from .filters.base import Filter as Filter
     from .filters.base import Pipeline as Pipeline
@@ -96,6 +97,7 @@ _HOME = {
     "NonManifoldError": "errors",
     "DisconnectedError": "errors",
     "MissingPackageError": "errors",
+    "TooLargeError": "errors",
     "as_surface": "hosts.dispatch",
     "repair_surface": "hosts.repair",
     "Repair": "hosts.repair",

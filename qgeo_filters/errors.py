@@ -30,6 +30,10 @@ class DisconnectedError(MeshError):
     """A mesh in several pieces where one piece is needed."""
 
 
+class TooLargeError(QgeoError, MemoryError):
+    """A result that does not fit into memory, said before it is begun: how large it is, and what takes less."""
+
+
 class MissingPackageError(QgeoError, ImportError):
     """An optional package that is not installed: the message holds the ``pip install`` that brings it."""
 

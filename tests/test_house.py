@@ -30,6 +30,7 @@ FLOORS: list[list[str]] = [
         "equal_rows",
         "fingerprint",
         "jit",
+        "memory",
         "missing_values",
         "parallel",
         "sampling",

@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from qgeo_filters.errors import QgeoError, of_file, one_line, reason
+from qgeo_filters.errors import QgeoError, TooLargeError, of_file, one_line, reason
 
 BAD_INPUT = 2
 INTERRUPTED = 130
@@ -127,6 +127,8 @@ def _in_options(message: str) -> str:
 def _too_large(error: MemoryError, options: Collection[str | None]) -> str:
     """What could not be had, and what takes less, given the names of the command's options."""
     said = one_line(str(error)).replace("Unable", "unable")
+    if isinstance(error, TooLargeError):
+        said = said.partition("; ")[0]  # what follows names arguments of functions
     ways = ["use a mesh of fewer vertices", *(way for name, way in _SMALLER.items() if name in options)]
     return f"not enough memory{f': {said}' if said else ''}; {', or '.join(ways)}"
 

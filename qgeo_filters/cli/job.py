@@ -21,7 +21,7 @@ from qgeo_filters import __version__
 from qgeo_filters.cli.errors import to_standard_output
 from qgeo_filters.cli.options import Settings
 from qgeo_filters.cli.outputs import LISTING, OutputFolder
-from qgeo_filters.errors import MeshError, QgeoError, of_file, reason
+from qgeo_filters.errors import MeshError, QgeoError, TooLargeError, of_file, reason
 from qgeo_filters.hosts.repair import repair_surface
 from qgeo_filters.report.html import Picture, Table, formatted, write_report
 from qgeo_filters.surface import Surface
@@ -113,7 +113,7 @@ class Job:
             said = str(error)
             if index is None:
                 index = next((i for i, name in enumerate(self._names) if said.startswith(f"{name}: ")), None)
-            elif not isinstance(error, MeshError):
+            elif not isinstance(error, (MeshError, TooLargeError)):
                 raise
             if index is None:
                 raise

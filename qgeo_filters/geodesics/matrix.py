@@ -100,6 +100,8 @@ def distance_matrix(
     ------
     NonManifoldError, ParameterError, MeshError
         As in `distances`; distances that float32 cannot hold.
+    TooLargeError
+        The matrix, of 4 n^2 bytes, does not fit into the memory that is free; said before anything is computed.
     ParameterError
         ``out`` is there and is no such array, or that of another mesh, metric or accuracy.
     OSError

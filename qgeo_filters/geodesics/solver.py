@@ -17,6 +17,7 @@ from qgeo_filters.geodesics.methods import method_named
 from qgeo_filters.geodesics.metric import Metric, metric_for
 from qgeo_filters.geodesics.path.paths import GeodesicPath, PathFinder
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
+from qgeo_filters.memory import require_memory
 from qgeo_filters.parallel import worker_count
 from qgeo_filters.repair.welding import not_welded
 from qgeo_filters.validation import checked_index, checked_indices
@@ -92,7 +93,11 @@ class GeodesicSolver:
 
     def distances(self, sources: npt.ArrayLike, *, progress: bool = False) -> FloatArray:
         """Distances (s, n) from some vertices to all, see `qgeo_filters.distances`."""
-        chosen = checked_indices(sources, self.surface.n_vertices, "sources")
+        n = self.surface.n_vertices
+        chosen = checked_indices(sources, n, "sources")
+        require_memory(
+            8 * n * len(chosen), f"the distances from {len(chosen)} to all {n} vertices", "take fewer sources at a time"
+        )
         return distances_from(self._solver, chosen, self.workers, progress)
 
     def distance_matrix(self, *, out: str | os.PathLike[str] | None = None, progress: bool = False) -> Any:
@@ -103,6 +108,7 @@ class GeodesicSolver:
                 f"edges of {extent:g} units in total: float32 does not hold such distances; rescale the mesh"
             )
         if out is None:
+            require_matrix(self.surface.n_vertices)
             return all_distances(self._solver, self.workers, progress)
         if self.method != "graph":
             raise ParameterError(f"out= is written by the graph method only, not by {self.method!r}")
@@ -124,3 +130,13 @@ class GeodesicSolver:
     @cached_property
     def _finders(self) -> dict[tuple[str, float], PathFinder]:
         return {}
+
+
+def require_matrix(n: int) -> None:
+    """Raise `TooLargeError` unless the distances between n vertices, in float32, fit into the memory that is free."""
+    require_memory(
+        4 * n * n,
+        f"the distances between all {n} vertices",
+        "write them to disk with distance_matrix(..., out='FILE.zarr'), measure from some vertices with distances(), "
+        "multiply by DistanceOperator, which stores nothing, or take a spectrum with landmarks=",
+    )

@@ -57,6 +57,13 @@ def test_rows_are_rows_of_the_matrix(surface: Surface, matrix: np.ndarray) -> No
     assert distances(surface, []).shape == (0, surface.n_vertices)
 
 
+def test_sources_alone_give_the_bits_of_sources_together(surface: Surface, matrix: np.ndarray) -> None:
+    sources = np.arange(0, surface.n_vertices, 9)  # more than a few go together, whatever their number is
+    together = distances(surface, sources)
+    alone = np.concatenate([distances(surface, [source]) for source in sources])
+    assert np.array_equal(together, alone)
+
+
 def test_methods_are_in_order(surface: Surface) -> None:
     some = np.arange(0, surface.n_vertices, 100)
     exact, graph, edges = (distances(surface, some, method=method) for method in ("exact", "graph", "edges"))
