@@ -17,3 +17,5 @@ IndexArray = npt.NDArray[np.int64]
 IntArray = npt.NDArray[np.int32]
 #: Whether a mesh is repaired as it is read; "auto": where something is wrong; "force": whatever has to be removed.
 RepairOption: TypeAlias = bool | Literal["auto", "force"]
+#: Whether one shape is matched as a part of the other; "auto" decides from the shapes.
+PartialOption: TypeAlias = bool | Literal["auto"]

@@ -69,9 +69,9 @@ def nearest_in_triangles(points: FloatArray, triangles: FloatArray) -> tuple[Flo
     determinant = uu * vv - uv * uv
     with np.errstate(divide="ignore", invalid="ignore"):
         s, t = (vv * wu - uv * wv) / determinant, (uu * wv - uv * wu) / determinant
-    # A triangle without area has no inside, but sides.
-    inside = (s >= 0) & (t >= 0) & (s + t <= 1)
-    weights = np.where(inside[:, None], np.column_stack([np.maximum(1 - s - t, 0.0), s, t]), 0.0)
+        # A triangle without area has no inside, but sides.
+        inside = (s >= 0) & (t >= 0) & (s + t <= 1)
+        weights = np.where(inside[:, None], np.column_stack([np.maximum(1 - s - t, 0.0), s, t]), 0.0)
     least = np.where(inside, -1.0, np.inf)
     for i, j in _SIDES:
         side = triangles[:, j] - triangles[:, i]

@@ -9,6 +9,7 @@ from qgeo_filters.deformation.fit_rotations import fit_rotations
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
 from qgeo_filters.geodesics.path.paths import quasi_geodesic
 from qgeo_filters.matching.maps.map_distance import coarse_distortions
+from qgeo_filters.matching.partial.distance_bounds import added_costs, profile_costs
 from qgeo_filters.report.raster import rasterize
 from qgeo_filters.surface import Surface
 
@@ -54,3 +55,5 @@ def _matching() -> None:
     rotation_misfit(*half_edges, rotations, np.asfortranarray(positions))
     near = np.zeros((2, 2), np.float32)
     coarse_distortions(near, near, np.zeros((1, 2), np.int64))
+    added_costs(near[1, :1], near[1, :1], near, np.zeros((1, 1), np.int64), 0.1, 0.3)
+    profile_costs(near, near, near, near, np.zeros(2, np.int64), 0.1, 0.3)

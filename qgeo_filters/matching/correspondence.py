@@ -7,8 +7,8 @@ from typing import Literal, overload
 import numpy as np
 from tqdm.auto import tqdm
 
-from qgeo_filters._typing import RepairOption
-from qgeo_filters.errors import concerning
+from qgeo_filters._typing import PartialOption, RepairOption
+from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.matching.given_vertices import match_on_given
 from qgeo_filters.matching.hints import LabelPair, LandmarkPairs
 from qgeo_filters.matching.initialization.candidates import Candidate, candidates, mirrored_map
@@ -18,6 +18,7 @@ from qgeo_filters.matching.maps.orientation import orientation
 from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.parameters import MatchingParameters
+from qgeo_filters.matching.partial.partial_match import better_as_part, partial_match
 from qgeo_filters.matching.prepared_shape import Shape, check_same_size
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.regions import eigenfunction_regions
@@ -37,6 +38,7 @@ def match(
     *,
     normalize: bool = ...,
     repair: RepairOption = ...,
+    partial: PartialOption = ...,
     landmarks: LandmarkPairs | None = ...,
     labels: LabelPair | None = ...,
     parameters: MatchingParameters | None = ...,
@@ -51,6 +53,7 @@ def match(
     *,
     normalize: bool = ...,
     repair: RepairOption = ...,
+    partial: PartialOption = ...,
     landmarks: LandmarkPairs | None = ...,
     labels: LabelPair | None = ...,
     parameters: MatchingParameters | None = ...,
@@ -64,6 +67,7 @@ def match(
     *,
     normalize: bool = True,
     repair: RepairOption = "auto",
+    partial: PartialOption = "auto",
     landmarks: LandmarkPairs | None = None,
     labels: LabelPair | None = None,
     parameters: MatchingParameters | None = None,
@@ -85,6 +89,11 @@ def match(
         Whether shapes are made manifold, oriented and one piece first: by default, "auto", those that are not (see
         `surface_and_repair`); the result says in ``repairs`` what was changed. It is on the vertices that were given,
         -1 and NaN where one had to go, see `match_on_given`. With False such shapes are refused.
+    partial : bool, "auto"
+        Whether one shape is matched as a part of the other: a scan from one side, a body without a limb or half of it.
+        Then ``p2p`` and ``inverse`` are -1 where there is no partner, and ``overlap_x`` and ``overlap_y`` say how much
+        has one; see `partial_match`. By default, "auto", a match that is not sure is tried again so where one shape
+        has a boundary and less area than the other.
     landmarks : sequence of (int, int), pair of (k, 3) arrays, or pair of Landmarks, optional
         What is known: pairs (vertex of X, vertex of Y), or points on X and those on Y that they belong to, or
         landmarks of equal names; to within a few edges. Even a single one steers the search. Which of them the map
@@ -110,8 +119,8 @@ def match(
     MeshError
         See `PreparedShape`.
     ParameterError
-        Shapes of different size with ``normalize=False``, or prepared with different parameters; hints that cannot be,
-        see `Hints.of`.
+        Shapes of different size with ``normalize=False``; shapes neither of which can be a part of the other with
+        ``partial=True``; shapes prepared with different parameters; hints that cannot be, see `Hints.of`.
 
     Notes
     -----
@@ -128,6 +137,13 @@ def match(
         problem = MatchProblem.of(
             x, y, parameters, repair=repair, landmarks=landmarks, labels=labels, progress=progress
         )
+        if partial is True:
+            if landmarks is not None or labels is not None:
+                raise ParameterError(
+                    "landmarks and labels do not steer partial matches yet: leave them out, or partial"
+                )
+            result = match_on_given(partial_match(problem), problem.x, problem.y)
+            return (result, result.log) if log else result
         if not normalize:
             check_same_size(problem.x.surface, problem.y.surface, problem.parameters.same_area)
         with concerning("X"):
@@ -140,7 +156,10 @@ def match(
         _next(bar, "register")
         decision = choose_map(problem.with_mirrored_y() if mirrored else problem, pool)
         _next(bar, "matched")
-        result = match_on_given(_described(problem, decision, mirrored), problem.x, problem.y)
+        found = _described(problem, decision, mirrored)
+        if partial == "auto" and landmarks is None and labels is None:
+            found = better_as_part(problem, found)
+        result = match_on_given(found, problem.x, problem.y)
     return (result, result.log) if log else result
 
 

@@ -70,6 +70,8 @@ class MatchResult:
         had to go has no partner.
     landmark_errors : (k,) float64
         Distance on Y between the image of each landmark that was given and its partner, in units of sqrt(area).
+    overlap_x, overlap_y : float
+        Share of the area of either shape that has a partner: 1 but for partial matches.
 
     Examples
     --------
@@ -101,6 +103,8 @@ class MatchResult:
     log: MatchLog
     repairs: tuple[str, ...] = ()
     landmark_errors: FloatArray = field(default_factory=lambda: frozen(np.zeros(0)))
+    overlap_x: float = 1.0
+    overlap_y: float = 1.0
 
     @cached_property
     def inverse_barycentric(self) -> BarycentricMap:

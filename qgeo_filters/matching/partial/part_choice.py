@@ -1,0 +1,169 @@
+"""Where a part lies on the whole: of several maps the one along which it deforms best."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.matching.maps.orientation import orientation
+from qgeo_filters.matching.match_log import MatchLog
+from qgeo_filters.matching.partial.coarse_maps import CoarseMap, CoarseMapper
+from qgeo_filters.matching.partial.distance_bounds import mean_violation
+from qgeo_filters.matching.partial.landmark_search import landmark_maps
+from qgeo_filters.matching.partial.local_descriptors import ball_agreement, descriptor_costs
+from qgeo_filters.matching.partial.part_registration import PartMap, PartRegistration
+from qgeo_filters.matching.partial.part_shape import PartShape
+from qgeo_filters.parallel import concurrently
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedPart:
+    """A part registered to the whole, and what that costs.
+
+    Attributes
+    ----------
+    map : PartMap
+    strain : float
+        What is not rigid of the deformation, see `ArapSolver.energy`, over the area of the part.
+    torn, folded : float
+        Shares of edges whose ends are mapped far apart, and of the area that is turned over.
+    distortion : float
+        Mean violation of the bounds of distances, see `distance_bounds`.
+    unlikeness : float
+        Mean cost of the descriptors, see `descriptor_costs`.
+    orientation : float
+        See `orientation`.
+    agreement : float
+        Correlation of the areas of balls that no cut has changed with those around the images.
+    cost : float
+    number : int
+        In the log.
+    """
+
+    map: PartMap
+    strain: float
+    torn: float
+    folded: float
+    distortion: float
+    unlikeness: float
+    orientation: float
+    agreement: float
+    cost: float
+    number: int
+
+
+@dataclass(frozen=True, eq=False)
+class PartDecision:
+    """The best place of a part, and how clear the choice was.
+
+    Attributes
+    ----------
+    best : PlacedPart
+    margin : float
+        How many times its cost the next different place's is; inf if there is none.
+    runner_up : float
+        Distortion of that one.
+    """
+
+    best: PlacedPart
+    margin: float
+    runner_up: float
+
+
+class PartChoice:
+    """The search for one part on one whole."""
+
+    def __init__(self, x: PartShape, y: PartShape, log: MatchLog) -> None:
+        self.x, self.y, self.log, self.given = x, y, log, x.given
+        self.descriptors = descriptor_costs(x, y)
+        self.mapper = CoarseMapper(x, y, self.descriptors)
+
+    def decide(self) -> PartDecision:
+        """The cheapest of the places that keep the orientation."""
+        placed = sorted(self._placed(self._competing()), key=lambda p: p.cost)
+        best = placed[0]
+        self.log.choose(best.number)
+        apart = [p for p in placed[1:] if self._gap(p.map.p2p, best.map.p2p) > self.given.apart]
+        if not apart:
+            return PartDecision(best, np.inf, np.inf)
+        return PartDecision(best, apart[0].cost / best.cost, apart[0].distortion)
+
+    def _competing(self) -> list[tuple[int, CoarseMap]]:
+        """Coarse maps that are registered, with their numbers in the log."""
+        given = self.given
+        hypotheses = landmark_maps(self.x, self.y, self.descriptors)
+        grown = concurrently(self.mapper.grown, list(hypotheses.images))
+        grown.sort(key=lambda c: c.distortion + given.unlikeness_weight * c.unlikeness)
+        kept: list[tuple[int, CoarseMap]] = []
+        turned = all(c.orientation < given.keeps_orientation for c in grown)
+        bound = np.inf
+        for c in grown:
+            number = self.log.propose("landmarks of the part", c.distortion, c.orientation)
+            if c.orientation < given.keeps_orientation and not turned:
+                self.log.drop(number, "reverses the orientation")
+                continue
+            bound = min(bound, given.registered_ratio * c.distortion + given.registered_slack)
+            like = next((n for n, k in kept if self._gap(k.p2p, c.p2p) < given.same), None)
+            if like is not None:
+                self.log.drop(number, f"the same map as #{like}")
+            elif c.distortion > bound:
+                self.log.drop(number, f"distorts distances by more than {bound:.3f}")
+            elif len(kept) == given.registered:
+                self.log.drop(number, f"not among the {given.registered} that distort least")
+            else:
+                kept.append((number, c))
+        return kept
+
+    def _placed(self, maps: list[tuple[int, CoarseMap]]) -> list[PlacedPart]:
+        registration = PartRegistration(self.x, self.y, self.x.fps[: self.mapper.count])
+        try:
+            found = concurrently(lambda m: registration.register(m[1].p2p), maps)
+        finally:
+            registration.release()
+        return [self._measured(number, part) for (number, _), part in zip(maps, found, strict=True)]
+
+    def _measured(self, number: int, part: PartMap) -> PlacedPart:
+        x, y, given, p2p = self.x, self.y, self.given, part.p2p
+        points = x.fps[: self.mapper.count]
+        images = p2p[points]
+        place = y.rows[:, images].argmin(axis=0)
+        distortion = mean_violation(
+            self.mapper.least, self.mapper.most, y.rows[place][:, images], given.within_bounds, given.pair_cap
+        )
+        unlikeness = float(self.descriptors[np.arange(len(points)), place].mean())
+        strain = x.arap.energy(part.positions) / x.area
+        torn, folded = _torn(x, y, p2p), _folded(x, y, part)
+        turned = orientation(x.surface, y.surface, p2p)
+        cost = (
+            max(strain, given.least_strain)
+            * (torn + given.least_torn)
+            * (folded + given.least_folded)
+            * (unlikeness + given.least_unlikeness)
+            * float(np.sqrt(max(distortion, given.least_distortion)))
+        )
+        agreement = ball_agreement(x, y, place)
+        self.log.note(
+            number, mean_distortion=distortion, orientation=turned, strain=strain, torn=torn, folded=folded,
+            hks_agreement=agreement, end_cost=cost,
+        )  # fmt: skip
+        return PlacedPart(part, strain, torn, folded, distortion, unlikeness, turned, agreement, cost, number)
+
+    def _gap(self, one: IndexArray, other: IndexArray) -> float:
+        """Mean distance on Y between the images of two maps, nearly."""
+        rows = self.y.rows[: self.given.gap_rows]
+        return float(np.abs(rows[:, one] - rows[:, other]).max(axis=0).mean())
+
+
+def _torn(x: PartShape, y: PartShape, p2p: IndexArray) -> float:
+    a, b = p2p[x.surface.edges.T]
+    lengths: FloatArray = np.linalg.norm(y.vertices[a] - y.vertices[b], axis=1)
+    far = max(3 * x.surface.edge_lengths.mean(), 2 * y.surface.edge_lengths.mean())
+    return float((lengths > far).mean())
+
+
+def _folded(x: PartShape, y: PartShape, part: PartMap) -> float:
+    deformed = x.surface.with_vertices(part.positions)
+    against = np.einsum("ij,ij->i", deformed.face_normals, y.normals[part.p2p[x.surface.faces]].sum(axis=1)) < 0
+    return float(x.surface.face_areas @ against) / x.area
