@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from qgeo_filters.decimation import decimated
 from qgeo_filters.deformation.arap_sums import covariances, rotated_edge_sums, rotation_misfit
 from qgeo_filters.deformation.fit_rotations import fit_rotations
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
@@ -40,6 +41,7 @@ def _geodesics() -> None:
         distance_matrix(surface)
         distances(surface, [0])
     surface = Surface(square, faces)
+    decimated(surface, 12)
     distances(surface, [0], method="exact")
     quasi_geodesic(surface, 0, 24, initial="exact")
     quasi_geodesic(surface, 0, 24, initial="edges")
