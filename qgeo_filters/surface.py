@@ -299,6 +299,8 @@ class Surface:
     @cached_property
     def unwelded_vertices(self) -> IndexArray:
         """Boundary vertices that lie where others do, along edges of both: what ``repair=True`` joins with those."""
+        if self.is_closed:
+            return _kept(np.empty(0, dtype=np.int64))
         joined, _ = welded(self.vertices, self.faces)
         return _kept(np.flatnonzero(joined != np.arange(self.n_vertices)))
 

@@ -36,6 +36,8 @@ class Paint(Filter):
     Values that are not finite (unreachable, carried back from nowhere) are painted grey.
     """
 
+    pointwise = True
+
     outputs = {"colors": "(n, 3) float64 in [0, 1]: vertex colours, where the host keeps its own"}
 
     @classmethod

@@ -18,9 +18,17 @@ from qgeo_filters.caching import cache
 from qgeo_filters.errors import MeshError, ParameterError, reason
 from qgeo_filters.filters import yaml_text
 from qgeo_filters.filters.registry import filter_by_name
+from qgeo_filters.filters.repaired import (
+    carried_back,
+    least_repair,
+    parameters_on,
+    repaired_values,
+    repaired_vertices,
+)
 from qgeo_filters.hosts.dispatch import as_surface, is_host_mesh, write_back
-from qgeo_filters.hosts.repair import Repair, repair_surface
+from qgeo_filters.hosts.repair import Repair, repaired_within
 from qgeo_filters.parallel import default_workers
+from qgeo_filters.repair.triangle_soup import most_lost
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_repair
 
@@ -42,11 +50,20 @@ class Filter:
     index_outputs: ClassVar[frozenset[str]] = frozenset()
     """Those of `outputs` whose values are vertex indices of the same mesh."""
 
+    index_parameters: ClassVar[frozenset[str]] = frozenset()
+    """Those constructor arguments that are vertices of the mesh, one or several."""
+
+    value_parameters: ClassVar[frozenset[str]] = frozenset()
+    """Those constructor arguments that may be values of the mesh's vertices, shape (n, ...)."""
+
+    pointwise: ClassVar[bool] = False
+    """Whether what a vertex gets does not depend on its neighbours, so that a mesh need not be welded."""
+
     renamed: ClassVar[Mapping[str, str]] = {}
     """New name of each parameter that had another: the old one is taken too, with a DeprecationWarning."""
 
     repair_: Repair | None = None
-    """What the last call with ``repair=True`` changed."""
+    """What the last call repaired, None if it worked on the mesh as it was."""
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -67,7 +84,7 @@ class Filter:
         return surface.with_attributes(self.compute(surface, progress))
 
     def __call__(
-        self, mesh: Any, *, repair: RepairOption = False, progress: bool = False, workers: int | None = None
+        self, mesh: Any, *, repair: RepairOption = "auto", progress: bool = False, workers: int | None = None
     ) -> Any:
         """Mesh of the same kind with the filter's attributes; the input is not changed.
 
@@ -76,12 +93,14 @@ class Filter:
         mesh : mesh object, (V, F) or path
             Whatever `as_surface` takes: a mesh of Open3D, PyMeshLab, PyVista or trimesh, a `Surface`. A legacy
             Open3D mesh comes back as the tensor kind, a ``(V, F)`` pair and a path as a `Surface`.
-        repair : bool or "force"
-            Work on a repaired copy where the mesh is not manifold or not in one piece; where more than a hundredth of
-            the area would have to go, only with "force". Attributes are
-            carried back to the vertices of the input (NaN, or -1 for indices, where a vertex had to go);
-            ``repair_`` says what was changed. Where not even a `Surface` can hold the input (a pair or file
-            with indices out of range, say), the repaired `Surface` is returned.
+        repair : bool, "auto" or "force"
+            With "auto", work on a repaired copy where the mesh is not welded or the filter refuses it as it is; pieces
+            are removed only where the filter needs one piece, and up to a tenth of the area. With True, in any case
+            and in one piece; where more than a hundredth of the area would have to go, only with "force". Attributes
+            are carried back to the vertices of the input (NaN, or -1 for indices, where a vertex had to go);
+            ``repair_`` says what was changed. Where not even a `Surface` can hold the input (a pair or file with
+            indices out of range, say), a `Surface` of the same vertices is returned without the faces that it cannot
+            hold.
         progress : bool
             Show progress bars.
         workers : int, optional
@@ -97,21 +116,43 @@ class Filter:
             if not checked_repair(repair):
                 surface = as_surface(mesh)
                 return write_back(mesh, surface, _added(surface, self.apply(surface, progress)))
-            self.repair_ = repair_surface(mesh, force=repair == "force")
-            fixed = self.repair_.surface
-            added = _added(fixed, self.apply(fixed, progress))
-        back = {name: self._carried_back(self.repair_, name, values) for name, values in added.items()}
+            if repair == "auto":
+                back = self._mended(mesh, progress)
+                if self.repair_ is None:
+                    return write_back(mesh, as_surface(mesh), back)
+            else:
+                back = self._on(repaired_within(mesh, most_lost(repair)), progress)
+        return self._written(mesh, back)
+
+    def _mended(self, mesh: Any, progress: bool) -> dict[str, np.ndarray]:
+        """What the filter adds to a mesh as it is, or, where it cannot take it, to a repaired copy."""
+        refusal = None
+        try:
+            surface = as_surface(mesh)
+            if self.pointwise or not surface.unwelded_vertices.size:
+                return _added(surface, self.apply(surface, progress))
+        except MeshError as error:
+            refusal = error
+        return least_repair(mesh, lambda repair: self._on(repair, progress), refusal)
+
+    def _on(self, repair: Repair, progress: bool) -> dict[str, np.ndarray]:
+        """What the filter adds to the repaired mesh, on the original vertices."""
+        self.repair_ = repair
+        with parameters_on(repair, _steps_of(self)):
+            added = _added(repair.surface, self.apply(repair.surface, progress))
+        return {name: carried_back(repair, values, name in self.index_outputs) for name, values in added.items()}
+
+    def repaired_parameters(self, repair: Repair) -> dict[str, Any]:
+        """Constructor arguments for the repaired mesh, of those that hold vertices of the mesh or values there."""
+        vertices = {name: repaired_vertices(repair, name, getattr(self, name)) for name in self.index_parameters}
+        return vertices | {name: repaired_values(repair, getattr(self, name)) for name in self.value_parameters}
+
+    def _written(self, mesh: Any, back: dict[str, np.ndarray]) -> Any:
+        assert self.repair_ is not None
         try:
             return write_back(mesh, as_surface(mesh), back)
         except MeshError:
-            if is_host_mesh(mesh):
-                return write_back(mesh, None, back)
-            return fixed.with_attributes(added)
-
-    def _carried_back(self, repair: Repair, name: str, values: np.ndarray) -> np.ndarray:
-        if name in self.index_outputs:
-            values = np.where(values >= 0, repair.origin[np.maximum(values, 0)], -1)
-        return repair.map_back(values)
+            return write_back(mesh, None, back) if is_host_mesh(mesh) else self.repair_.given.with_attributes(back)
 
     # -- parameters ---------------------------------------------------------------------------------
 
@@ -183,6 +224,11 @@ class Pipeline(Filter):
     def index_outputs(self) -> frozenset[str]:  # type: ignore[override]
         """Those attributes that hold vertex indices."""
         return frozenset().union(*(step.index_outputs for step in self.steps))
+
+    @property
+    def pointwise(self) -> bool:  # type: ignore[override]
+        """Whether no step looks at neighbours."""
+        return all(step.pointwise for step in self.steps)
 
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
         """Attributes that all steps add or replace."""

@@ -105,6 +105,8 @@ class SurfaceScalar(Filter):
         Length over which values are averaged, as a fraction of sqrt(area).
     """
 
+    value_parameters = frozenset({"scalar"})
+
     outputs = {"qgeo_scalar": "(n,), no unit, unit standard deviation: scalar f of the lifted metric"}
 
     def __init__(

@@ -39,6 +39,8 @@ class MetricFilter(Filter):
         Relative error bound of the graph method.
     """
 
+    value_parameters = frozenset({"scalar"})
+
     metric_: LiftedMetric
     """The metric of the last call."""
 
@@ -75,6 +77,8 @@ class QuasiGeodesicDistances(MetricFilter):
     """
 
     outputs = {"qgeo_distance": "(n,) or (n, s), length: quasi-geodesic distance to each source; inf between pieces"}
+
+    index_parameters = frozenset({"sources"})
 
     def __init__(
         self,
@@ -124,6 +128,8 @@ class QuasiGeodesicPath(MetricFilter):
     """
 
     outputs = {"qgeo_path": "(n,) int32: 1 at the corners of the triangles that the path crosses, 0 elsewhere"}
+
+    index_parameters = frozenset({"start", "end"})
 
     path_: GeodesicPath
     """The path of the last call."""

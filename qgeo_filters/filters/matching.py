@@ -14,7 +14,9 @@ from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.geodesics import MetricFilter
 from qgeo_filters.filters.registry import registered
-from qgeo_filters.hosts.dispatch import as_surface
+from qgeo_filters.filters.repaired import repaired_values, repaired_vertices
+from qgeo_filters.hosts.dispatch import surface_and_repair
+from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.symmetry import Symmetry
 from qgeo_filters.matching.symmetry_measure import Reading, symmetry_epsilon, symmetry_regions, symmetry_sum
@@ -105,7 +107,8 @@ class Correspondence(Filter):
     Parameters
     ----------
     target : mesh of any kind, or path
-        The other shape: another pose, in any triangulation and position.
+        The other shape: another pose, in any triangulation and position. Repaired where something is wrong with it; the
+        vertices that are named are its own all the same.
     normalize : bool
         Whether to compare the shapes regardless of size.
     landmarks, labels : optional
@@ -135,14 +138,24 @@ class Correspondence(Filter):
         self.landmarks = landmarks
         self.labels = labels
 
+    def repaired_parameters(self, repair: Repair) -> dict[str, Any]:
+        """Landmarks and labels on the repaired mesh."""
+        changed: dict[str, Any] = {}
+        pairs = np.asarray(self.landmarks) if isinstance(self.landmarks, (list, tuple, np.ndarray)) else np.empty(0)
+        if pairs.ndim == 2 and pairs.shape[1] == 2 and pairs.dtype.kind in "iu":
+            here = np.asarray(repaired_vertices(repair, "landmarks", pairs[:, 0]))
+            changed["landmarks"] = np.column_stack([here, pairs[:, 1]])
+        if self.labels is not None:
+            changed["labels"] = (repaired_values(repair, self.labels[0]), self.labels[1])
+        return changed
+
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
         """Map, distortion and regions by attribute name."""
         if self.target is None:
             raise ParameterError("Correspondence needs the other shape: Correspondence(target=mesh)")
-        target = as_surface(self.target)
-        found = stages.correspondence_of(
-            surface, target, self.normalize, progress, landmarks=self.landmarks, labels=self.labels
-        )
+        target, _ = surface_and_repair(self.target, "auto")
+        hints = {"landmarks": self.landmarks, "labels": self.labels}
+        found = stages.correspondence_of(surface, target, self.normalize, progress, repair_x=False, **hints)
         self.correspondence_ = found
         return {
             "qgeo_correspondence": found.p2p,

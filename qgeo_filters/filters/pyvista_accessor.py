@@ -41,7 +41,7 @@ class QgeoAccessor:
         self,
         filter: Callable[..., pyvista.PolyData],
         *,
-        repair: RepairOption = False,
+        repair: RepairOption = "auto",
         progress: bool = False,
         workers: int | None = None,
     ) -> pyvista.PolyData:
@@ -57,7 +57,7 @@ class QgeoAccessor:
         filter_class = known[name]
 
         def method(
-            *, repair: RepairOption = False, progress: bool = False, workers: int | None = None, **parameters: Any
+            *, repair: RepairOption = "auto", progress: bool = False, workers: int | None = None, **parameters: Any
         ) -> pyvista.PolyData:
             return self.apply(filter_class(**parameters), repair=repair, progress=progress, workers=workers)
 

@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from qgeo_filters._typing import RepairOption
 from qgeo_filters.caching import cache
 from qgeo_filters.differential.scalar import BUILT_IN, Scalar
 from qgeo_filters.fingerprint import content_key
@@ -106,12 +107,16 @@ def laplacian_spectrum_of(surface: Surface, k: int) -> Spectrum:
     return cache.get(key, lambda: laplacian_spectrum(surface, k))
 
 
-def prepared_shape_of(surface: Surface, progress: bool = False, workers: int | None = None) -> PreparedShape:
+def prepared_shape_of(
+    surface: Surface, progress: bool = False, workers: int | None = None, repair: RepairOption = "auto"
+) -> PreparedShape:
     """The surface prepared for matching, see `PreparedShape`; it shares its distances with the other stages."""
-    key = content_key("prepared_shape", surface.vertices, surface.faces, MatchingParameters())
+    key = content_key("prepared_shape", surface.vertices, surface.faces, MatchingParameters(), repair)
     matrix = partial(matrix_of, method="graph", accuracy=1e-3, progress=progress)
     return _kept(
-        key, lambda: PreparedShape(surface, parameters=MatchingParameters(), matrix=matrix).prepare(), workers=workers
+        key,
+        lambda: PreparedShape(surface, parameters=MatchingParameters(), matrix=matrix, repair=repair).prepare(),
+        workers=workers,
     )
 
 
@@ -128,6 +133,8 @@ def correspondence_of(
     progress: bool = False,
     workers: int | None = None,
     *,
+    repair_x: RepairOption = "auto",
+    repair_y: RepairOption = "auto",
     landmarks: LandmarkPairs | None = None,
     labels: LabelPair | None = None,
 ) -> MatchResult:
@@ -138,14 +145,14 @@ def correspondence_of(
 
     def compute() -> MatchResult:
         return match(
-            prepared_shape_of(x, progress),
-            prepared_shape_of(y, progress),
+            prepared_shape_of(x, progress, repair=repair_x),
+            prepared_shape_of(y, progress, repair=repair_y),
             normalize=normalize,
             landmarks=hints.landmarks if len(hints.landmarks) else None,
             labels=labels and hints.labels,
         )
 
-    shapes = x.vertices, x.faces, y.vertices, y.faces
+    shapes = x.vertices, x.faces, y.vertices, y.faces, repair_x, repair_y
     key = content_key("correspondence", *shapes, normalize, MatchingParameters(), hints.landmarks, *hints.labels)
     return _kept(key, compute, workers=workers)
 

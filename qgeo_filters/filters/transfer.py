@@ -11,7 +11,7 @@ from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.registry import registered
-from qgeo_filters.hosts.dispatch import as_surface
+from qgeo_filters.hosts.dispatch import surface_and_repair
 from qgeo_filters.matching.maps.barycentric import BarycentricMap
 from qgeo_filters.matching.maps.closest_points import closest_points
 from qgeo_filters.matching.match_result import MatchResult
@@ -43,6 +43,8 @@ class TransferAttributes(Filter):
     source. Where neither `names` are given nor the source is a `Surface`, `outputs` is empty until the first call: it
     reads no file and no mesh of a host.
     """
+
+    pointwise = True
 
     names_: list[str]
     """Attributes that the last call transferred."""
@@ -89,7 +91,7 @@ class TransferAttributes(Filter):
         """Transferred attributes by name."""
         if self.source is None:
             raise ParameterError("TransferAttributes needs a source mesh: TransferAttributes(source=mesh)")
-        source = as_surface(self.source)
+        source, _ = surface_and_repair(self.source, "auto")
         names = self.names_ = self._wanted(source)
         place = self._place(surface, source, progress)
         return {name: place.pulled_back(source.attributes[name]) for name in names}

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.pairs import paired_distances
+from qgeo_filters.hosts.repair import repaired_within
 from qgeo_filters.io.landmarks import Landmarks
 from qgeo_filters.matching import map_files, map_landmarks, map_transfer
 from qgeo_filters.matching.maps.barycentric import BarycentricMap, nearest_around
@@ -246,10 +247,14 @@ class MatchResult:
         target = checked_indices(truth, self.y.n_vertices, "truth", missing=True)
         if len(target) != len(self.p2p):
             raise ParameterError(f"truth must hold a vertex for each of the {len(self.p2p)} of X, got {len(target)}")
-        known = (target >= 0) & (self.p2p >= 0)
+        y, images = self.y, self.p2p
+        if any(line.startswith("Y: ") for line in self.repairs):  # distances are those on what was matched
+            repair = repaired_within(y, 1.0)
+            y, place = repair.surface, repair.vertex_of_original
+            images, target = (np.where(v >= 0, place[np.maximum(v, 0)], -1) for v in (images, target))
+        known = (target >= 0) & (images >= 0)
         errors = np.full(len(target), np.nan)
-        lengths = paired_distances(self.y, self.p2p[known], target[known], workers=workers)
-        errors[known] = lengths / np.sqrt(self.y.area)
+        errors[known] = paired_distances(y, images[known], target[known], workers=workers) / np.sqrt(y.area)
         return errors
 
     def to_csv(self, path: str | PathLike[str]) -> None:

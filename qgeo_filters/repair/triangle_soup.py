@@ -26,6 +26,8 @@ from qgeo_filters.validation import frozen, listed
 
 #: Which pieces of a mesh stay when it is repaired.
 Pieces: TypeAlias = Literal["largest", "all"]
+#: The same, those first that change least.
+PIECES: tuple[Pieces, ...] = ("all", "largest")
 
 #: Share of the area beyond which a repair that was asked for is refused unless it is forced.
 MOST_AREA_LOST = 0.01

@@ -156,6 +156,10 @@ def test_the_map_of_a_mess_is_that_of_the_clean_mesh() -> None:
     assert off.max() <= edge
     assert (found.p2p[~here] == -1).all()
     assert found.confident == clean().confident
+    truth = np.where(here, clean().p2p[of_x], -1)
+    errors = found.error(truth)
+    assert np.isnan(errors[~here]).all()
+    assert np.nanmax(errors) * np.sqrt(Surface(Y, F).area) <= 2 * edge
     assert found.repairs
 
 

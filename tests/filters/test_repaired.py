@@ -1,0 +1,128 @@
+"""Filters on meshes with something wrong: by default what a clean mesh gives, on the vertices that were given."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from shapes import blob, creature, icosphere
+
+import qgeo_filters as qg
+from qgeo_filters.surface import Surface
+
+V, F = blob(2)
+N = len(V)
+CRUMB = np.array([[5.0, 0, 0], [5.1, 0, 0], [5, 0.1, 0]])
+
+
+def soup(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Each face with corners of its own, a crumb and a vertex that is not finite; the clean vertex of each, or -1."""
+    where = faces.ravel()
+    points = np.concatenate([vertices[where], CRUMB, [[np.nan, 0, 0]]])
+    own = np.arange(len(where) + 3).reshape(-1, 3)
+    return points, own, np.concatenate([where, np.full(4, -1)])
+
+
+SOUP, SOUP_FACES, OF_CLEAN = soup(V, F)
+HERE = OF_CLEAN >= 0
+
+
+@pytest.mark.parametrize(
+    "step",
+    [
+        qg.QuasiGeodesicSpectrum(k=4) | qg.SurfaceScalar(),
+        qg.LaplacianSpectrum(k=4),
+        qg.DifferentialCoordinates(),
+        qg.Curvatures(),
+    ],
+    ids=lambda step: type(step).__name__,
+)
+def test_a_soup_gets_what_the_clean_mesh_gets(step: qg.Filter) -> None:
+    clean = step.clone()((V, F)).attributes
+    found = step((SOUP, SOUP_FACES))
+    assert found.n_vertices == len(SOUP)
+    assert step.repair_ is not None
+    assert any("joined with others" in line for line in step.repair_.report)
+    for name in step.outputs:
+        # A soup cannot tell which corner came first, so that sums are rounded in another order.
+        scale = np.abs(clean[name]).max()
+        values = found.attributes[name][HERE]
+        wanted = clean[name][OF_CLEAN[HERE]]
+        signs = np.sign((values * wanted).sum(axis=0)) if name in ("qgeo_phi", "qgeo_laplacian_phi") else 1.0
+        np.testing.assert_allclose(signs * values, wanted, atol=1e-4 * scale)
+
+
+def test_what_can_be_taken_as_it_is_is_not_repaired() -> None:
+    """Two pieces are no fault for distances, nor any mess for what looks at one vertex."""
+    two = np.concatenate([V, V + 5]), np.concatenate([F, F + N])
+    distances = qg.QuasiGeodesicDistances(sources=0)
+    found = distances(two)
+    assert distances.repair_ is None
+    assert np.isfinite(found.attributes["qgeo_distance"][:N]).all()
+    assert np.isinf(found.attributes["qgeo_distance"][N:]).all()
+    paint = qg.TransferAttributes(source=Surface(V, F).with_attributes({"height": V[:, 2]}))
+    holdable = SOUP[:-1], SOUP_FACES
+    np.testing.assert_allclose(paint(holdable).attributes["height"][HERE[:-1]], V[OF_CLEAN[HERE], 2], atol=1e-9)
+    assert paint.repair_ is None
+
+
+def test_pieces_stay_where_the_filter_needs_no_single_one() -> None:
+    two = np.concatenate([SOUP[: 3 * len(F)], SOUP[: 3 * len(F)] + 5])
+    faces = np.arange(len(two)).reshape(-1, 3)
+    found = qg.QuasiGeodesicDistances(sources=0, curvature_weight=0)((two, faces)).attributes["qgeo_distance"]
+    wanted = qg.distances((V, F), [OF_CLEAN[0]], "cartesian")[0]
+    assert np.isinf(found[3 * len(F) :]).all()
+    np.testing.assert_allclose(found[: 3 * len(F)], wanted[OF_CLEAN[HERE]], rtol=2e-3, atol=1e-9)
+    with pytest.raises(qg.MeshError, match=r"would remove 50 % of the area .*there are 2 pieces, of 320, 320 faces"):
+        qg.QuasiGeodesicSpectrum(k=4)((two, faces))
+
+
+def test_vertices_and_values_among_the_parameters_are_those_of_the_given_mesh() -> None:
+    chosen = [900, 17]
+    height = np.nan_to_num(SOUP[:, 2])
+    step = qg.QuasiGeodesicDistances(sources=chosen, scalar=height)
+    found = step((SOUP, SOUP_FACES)).attributes["qgeo_distance"]
+    wanted = qg.distances((V, F), OF_CLEAN[chosen], qg.lifted_metric((V, F), V[:, 2]))
+    np.testing.assert_allclose(found[HERE], wanted.T[OF_CLEAN[HERE]], rtol=2e-3, atol=1e-9)
+    assert np.isinf(found[~HERE][:3]).all()  # the crumb is there, and cannot be reached
+    assert np.isnan(found[~HERE][3:]).all()
+    assert step.sources is chosen
+    assert step.scalar is height
+    with pytest.raises(qg.MeshError, match=rf"sources: {len(SOUP) - 1} had to go when the mesh was repaired"):
+        qg.QuasiGeodesicDistances(sources=len(SOUP) - 1)((SOUP, SOUP_FACES))
+    with pytest.raises(qg.MeshError, match="is vertex 5000"):
+        qg.QuasiGeodesicDistances(sources=5000)((SOUP, SOUP_FACES))
+
+
+def test_vertices_among_the_results_are_those_of_the_given_mesh() -> None:
+    vertices, faces = creature(level=2)
+    points, own, of_clean = soup(vertices, faces)
+    step = qg.SelfSymmetry(k0=6)
+    found = step((points, own)).attributes
+    here = of_clean >= 0
+    mirror = vertices[of_clean[here]] * [-1, 1, 1]
+    edge = Surface(vertices, faces).edge_lengths.max()
+    assert step.symmetry_.found
+    assert (np.linalg.norm(points[found["qgeo_symmetry"][here]] - mirror, axis=1) < edge).all()
+    assert (found["qgeo_symmetry"][~here] == -1).all()
+
+
+def test_hints_of_a_correspondence_are_vertices_of_the_given_mesh() -> None:
+    """The repaired mesh is numbered otherwise; the target, a mess too, keeps its numbers."""
+    repair = qg.repair_surface((SOUP, SOUP_FACES))
+    labels = np.where(HERE, OF_CLEAN % 3, -1)
+    step = qg.Correspondence(target=(V, F), landmarks=[(900, 3), (17, 5)], labels=(labels, np.arange(N) % 3))
+    changed = step.repaired_parameters(repair)
+    np.testing.assert_array_equal(OF_CLEAN[repair.origin[changed["landmarks"][:, 0]]], OF_CLEAN[[900, 17]])
+    np.testing.assert_array_equal(changed["landmarks"][:, 1], [3, 5])
+    np.testing.assert_array_equal(changed["labels"][0], OF_CLEAN[repair.origin] % 3)
+    assert changed["labels"][1] is step.labels[1]
+    points = qg.Correspondence(target=(V, F), landmarks=(V[:4], V[:4]))
+    assert points.repaired_parameters(repair) == {}
+
+
+def test_a_refusal_that_repair_cannot_mend_is_the_filters_own() -> None:
+    with pytest.raises(qg.MeshError, match="no attribute 'nothing'"):
+        qg.Paint(attribute="nothing")((V, F))
+    with pytest.raises(qg.DisconnectedError, match="needs a mesh in one piece"):
+        qg.QuasiGeodesicSpectrum(k=4)((SOUP[:-1], SOUP_FACES), repair=False)
+    assert qg.QuasiGeodesicSpectrum(k=4)(icosphere(1)).n_vertices == 42
