@@ -41,6 +41,7 @@ FLOORS: list[list[str]] = [
     ["io"],
     ["repair"],
     ["surface"],
+    ["closest_points"],
     ["decimation"],
     ["hosts"],
     ["differential"],

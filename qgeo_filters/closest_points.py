@@ -1,0 +1,90 @@
+"""Closest points of a surface that do not jump to another sheet where two pass close to each other."""
+
+from __future__ import annotations
+
+import igl
+import numpy as np
+from scipy.spatial import cKDTree
+
+from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.barycentric import nearest_in_triangles
+from qgeo_filters.surface import Surface
+
+# Candidates that are looked at where the nearest one faces away.
+_CANDIDATES = 32
+# Weight of normals beside places on a surface of unit area: a sheet's other side, which differs by 2 in its normal, is
+# as far as a fifth of the surface's size.
+_TURN = 0.1
+
+
+def closest_facing_points(points: FloatArray, normals: FloatArray, surface: Surface) -> tuple[IndexArray, FloatArray]:
+    """Point of the surface closest to each point, of those whose triangle does not face away from its normal.
+
+    Parameters
+    ----------
+    points, normals : (k, 3) float64
+        A normal may be zero: then any triangle will do.
+    surface : Surface
+
+    Returns
+    -------
+    faces : (k,) int64
+    coordinates : (k, 3) float64
+        Barycentric, not negative, with sum 1.
+
+    Notes
+    -----
+    Where the closest triangle faces away, the nearest ones that face the same way are compared, nearest by their
+    centroids; where none of those does, the closest triangle stands.
+    """
+    # libigl's tree compares with absolute tolerances: give it a surface of unit size.
+    vertices, points = _unit(surface, surface.vertices), _unit(surface, points)
+    _, nearest, _ = igl.point_mesh_squared_distance(points, vertices, surface.faces.astype(np.int64))
+    faces: IndexArray = nearest.astype(np.int64)
+    corners = vertices[surface.faces]
+    away = np.flatnonzero(np.einsum("ij,ij->i", normals, surface.face_normals[faces]) < 0)
+    if away.size:
+        found = _nearest_facing(points[away], normals[away], corners.mean(axis=1), surface.face_normals)
+        owner, place = np.nonzero(found >= 0)
+        candidates = found[owner, place]
+        _, gaps = nearest_in_triangles(points[away[owner]], corners[candidates])
+        order = np.lexsort((candidates, gaps, owner))
+        first = order[np.unique(owner[order], return_index=True)[1]]
+        faces[away[owner[first]]] = candidates[first]
+    coordinates, _ = nearest_in_triangles(points, corners[faces])
+    return faces, coordinates
+
+
+def closest_facing_vertices(points: FloatArray, normals: FloatArray, surface: Surface) -> IndexArray:
+    """Vertex of the surface closest to each point (k, 3), of those whose normal does not face away from its own."""
+    vertices, points = _unit(surface, surface.vertices), _unit(surface, points)
+    used = np.setdiff1d(np.arange(surface.n_vertices), surface.unreferenced_vertices)
+    _, nearest = cKDTree(vertices[used]).query(points)
+    closest: IndexArray = used[nearest]
+    away = np.flatnonzero(np.einsum("ij,ij->i", normals, surface.vertex_normals[closest]) < 0)
+    if away.size:
+        found = _nearest_facing(points[away], normals[away], vertices[used], surface.vertex_normals[used])
+        has = found[:, 0] >= 0
+        closest[away[has]] = used[found[has, 0]]
+    return closest
+
+
+def _unit(surface: Surface, points: FloatArray) -> FloatArray:
+    """Points where the surface has its centre in the origin and unit area."""
+    scaled: FloatArray = (points - surface.vertices.mean(axis=0)) / (np.sqrt(surface.area) or 1.0)
+    return scaled
+
+
+def _nearest_facing(points: FloatArray, normals: FloatArray, places: FloatArray, facing: FloatArray) -> IndexArray:
+    """Nearest places (k, c) that face the way of each point, in the order of their distance, -1 where there are none.
+
+    Nearest in space and direction: a step across a sheet of unit area counts as much as to turn by a few degrees.
+    """
+    count = min(_CANDIDATES, len(places))
+    tree = cKDTree(np.hstack([places, _TURN * facing]))
+    _, found = tree.query(np.hstack([points, _TURN * normals]), k=np.arange(1, count + 1))
+    agrees = np.einsum("ij,ikj->ik", normals, facing[found]) > 0
+    gaps = np.where(agrees, np.linalg.norm(places[found] - points[:, None], axis=2), np.inf)
+    order = np.argsort(gaps, axis=1, kind="stable")
+    nearest: IndexArray = np.take_along_axis(np.where(agrees, found, -1), order, axis=1)
+    return nearest
