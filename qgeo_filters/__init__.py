@@ -62,6 +62,8 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .hosts.protocol import register_host as register_host
     from .hosts.repair import Repair as Repair
     from .hosts.repair import repair_surface as repair_surface
+    from .io.landmark_files import read_landmarks as read_landmarks
+    from .io.landmark_files import write_landmarks as write_landmarks
     from .io.landmarks import Landmarks as Landmarks
     from .matching.compatibility import Compatibility as Compatibility
     from .matching.compatibility import compatibility as compatibility
@@ -105,6 +107,8 @@ _HOME = {
     "Host": "hosts.protocol",
     "cache": "caching",
     "Landmarks": "io.landmarks",
+    "read_landmarks": "io.landmark_files",
+    "write_landmarks": "io.landmark_files",
     # functions on a surface, and what they return
     "differential_coordinates": "differential.coordinates",
     "vertex_normals": "differential.normals",

@@ -25,6 +25,8 @@ from qgeo_filters.validation import frozen
 
 _DOCUMENT = "qgeo_match"  # what is no array, as JSON
 _VERSION = 1
+_TYPES: dict[str, type] = {"float": float, "int": int, "bool": bool, "str": str, "None": type(None)}
+_LARGEST = 1e100
 _PLAIN = (str, int, float, bool, list, tuple, dict, type(None))
 
 COLUMNS = (
@@ -105,7 +107,7 @@ def read_match(path: str | PathLike[str], kind: Any) -> dict[str, Any]:
     with path_in_errors(file):
         arrays = saved_arrays(file)
         others = _document(arrays)
-        values = {field.name: _value(field.name, arrays, others) for field in fields(kind)}
+        values = {field.name: _value(field.name, str(field.type), arrays, others) for field in fields(kind)}
         needed = [f.name for f in fields(kind) if f.default is MISSING and f.default_factory is MISSING]
         lacking = [name for name in needed if values[name] is MISSING]
         if lacking:
@@ -128,20 +130,31 @@ def _document(arrays: dict[str, np.ndarray]) -> dict[str, Any]:
     return document
 
 
-def _value(name: str, arrays: dict[str, np.ndarray], others: dict[str, Any]) -> Any:
+def _value(name: str, kind: str, arrays: dict[str, np.ndarray], others: dict[str, Any]) -> Any:
+    """Value of a field of a type, as an annotation has it; MISSING if the file has none."""
     if f"{name}_vertices" in arrays:
         prefix = f"{name}_attribute_"
         attributes = {key.removeprefix(prefix): array for key, array in arrays.items() if key.startswith(prefix)}
-        return Surface(arrays[f"{name}_vertices"], _array(arrays, f"{name}_faces"), attributes)
+        vertices, faces = arrays[f"{name}_vertices"], _array(arrays, f"{name}_faces")
+        if vertices.ndim != 2 or faces.ndim != 2:
+            raise MeshError(f"the vertices and faces of {name} must be tables")
+        return Surface(vertices, faces, attributes)
     if f"{name}_coordinates" in arrays:
         faces, corners = (whole_numbers(_array(arrays, f"{name}_{part}"), name) for part in ("faces", "corners"))
         return BarycentricMap(frozen(faces), frozen(corners), frozen(np.array(arrays[f"{name}_coordinates"])))
-    if name in arrays:
-        return arrays[name].item() if arrays[name].ndim == 0 else frozen(arrays[name].copy())
-    if name == "log":
+    if kind == "MatchLog":
         return _log(others.get(name))
-    kept = others.get(name, MISSING)
-    return tuple(kept) if isinstance(kept, list) else kept  # JSON knows no tuples
+    value: Any = others.get(name, MISSING)
+    if name in arrays:
+        value = arrays[name].item() if arrays[name].ndim == 0 else frozen(arrays[name].copy())
+    if isinstance(value, list):
+        value = tuple(value)  # JSON knows no tuples
+    if kind == "float" and type(value) is int:
+        value = float(value)
+    expected = tuple(np.ndarray if "Array" in part else _TYPES.get(part, object) for part in kind.split(" | "))
+    if value is not MISSING and not isinstance(value, expected):
+        raise MeshError(f"{name} of the match must be {kind}, got {type(value).__name__}")
+    return value
 
 
 def _array(arrays: dict[str, np.ndarray], name: str) -> np.ndarray:
@@ -174,12 +187,14 @@ def _check(values: dict[str, Any]) -> None:
     ):
         if not isinstance(array, np.ndarray) or array.shape != shape or array.dtype.kind != "f":
             raise MeshError(f"{name} of the match must be {shape} floating-point numbers")
+        if (np.abs(array) > _LARGEST).any():
+            raise MeshError(f"{name} of the match leave float64 when they are squared")
     known = place.faces >= 0
     if not np.array_equal(place.corners, np.where(known[:, None], y.faces[place.faces], -1)):
         raise MeshError("the corners of the match are not those of its faces")
 
 
 def _indices(array: Any, name: str, count: int, limit: int) -> None:
-    whole: npt.NDArray[np.int64] = whole_numbers(array, name)
+    whole: npt.NDArray[np.int64] = whole_numbers(array, f"{name} of the match")
     if whole.shape != (count,) or whole.min(initial=0) < -1 or whole.max(initial=-1) >= limit:
         raise MeshError(f"{name} of the match must be {count} numbers from -1 to {limit - 1}")

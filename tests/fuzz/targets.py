@@ -8,16 +8,19 @@ import io
 import json
 import os
 import random
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import known_match
 import numpy as np
 import scipy.io
 from fuzz import mutations
 from fuzz.mutations import Mutation
+from known_match import without_partners
 from shapes import icosphere
 
 import qgeo_filters as qg
@@ -351,6 +354,72 @@ MAPS = {
 }
 
 
+# -- landmarks and matches ----------------------------------------------------------------------------
+
+MARKS = qg.Landmarks(["tip of the nose", "2", "ear, left"], [V[0], [np.nan] * 3, V[2]], [4, -1, 7], "RAS")
+TABLE = "# by hand\nLabel;X (mm);Y (mm);Z (mm);vertex\ntip;1,5;-2;3,25;7\near;NA;NA;NA;-1\n"
+TPS = "LM3=2\n1 2 3\nNA NA NA\nCURVES=1\nPOINTS3D=2\n1 1 1\n2 2 2\nIMAGE=a.ply\nID=0\nSCALE=.5\nLM3=1\n4 5 6\n"
+FCSV = "# CoordinateSystem = 0\n# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n"
+FCSV += '1,1.5,-2,3,0,0,0,1,1,1,0,"nose, tip",,\r,2,0\n2,0,0,0,0,0,0,1,1,1,0,F-2,,\r,0,0\n'
+AMIRA = "# Avizo 3D ASCII 2.0\ndefine Markers 2\nParameters {\n NumSets 2,\n}\nMarkers { float[3] Coordinates } @1\n"
+AMIRA += "Markers { float[3] Coordinates2 } @2\n@1\n1 2 3\n4 5 6\n\n@2\n1 1 1\n2 2 2\n"
+
+
+def landmark_file(suffix: str, mutate: Mutation, *texts: str) -> Target:
+    """Target of a format of landmarks: what the package writes, and what others do."""
+
+    def seeds() -> list[Files]:
+        with TemporaryDirectory() as folder, warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # names that are dropped
+            qg.write_landmarks(Path(folder) / f"marks{suffix}", MARKS)
+            own = (Path(folder) / f"marks{suffix}").read_bytes()
+        return [{f"marks{suffix}": content} for content in (own, *(text.encode() for text in texts))]
+
+    return Target(functools.cache(seeds), mutate, read_marks)
+
+
+def read_marks(folder: Path, repair: bool) -> object:
+    """Landmarks: the first set, or the only one."""
+    found = qg.read_landmarks(next(folder.iterdir()), specimen=0)
+    assert len(found.names) == len(found.points) == len(found.vertices) > 0
+    assert found.points.dtype == np.float64
+    assert not np.isinf(found.points).any()
+    assert (np.isnan(found.points).any(axis=1) == np.isnan(found.points).all(axis=1)).all()
+    assert (found.vertices >= -1).all()
+    return found
+
+
+def read_match(folder: Path, repair: bool) -> object:
+    """A saved match, whose map is used."""
+    found = qg.MatchResult.from_npz(folder / "match.npz")
+    assert found.transfer(found.x.vertices).shape == (found.y.n_vertices, 3)
+    assert len(found.transfer(np.arange(found.y.n_vertices), to="x")) == found.x.n_vertices
+    assert repr(found)
+    return found
+
+
+def match_seeds() -> list[Files]:
+    found = known_match.ellipsoids(1, 0)
+    found.log.choose(found.log.propose("the search", 0.25))
+    lost = without_partners(found, found.x.vertices[:, 2] < 0, found.y.vertices[:, 2] < 5)
+    with TemporaryDirectory() as folder:
+        for name, result in (("a", found), ("b", lost)):
+            result.to_npz(Path(folder) / f"{name}.npz")
+        return [{"match.npz": path.read_bytes()} for path in sorted(Path(folder).iterdir())]
+
+
+LANDMARKS = {
+    "landmarks_csv": landmark_file(".csv", mutations.text_changed, TABLE, "1 2 3\n4 5 6\n", "tip,4\n"),
+    "landmarks_fcsv": landmark_file(".fcsv", mutations.text_changed, FCSV),
+    "landmarks_json": landmark_file(".mrk.json", mutations.in_json),
+    "landmarks_tps": landmark_file(".tps", mutations.text_changed, TPS),
+    "landmarks_pts": landmark_file(".pts", mutations.text_changed, "2\n1 2 3\n4 5 6\n"),
+    "landmarks_amira": landmark_file(".landmarkAscii", mutations.text_changed, AMIRA),
+    "landmarks_pp": landmark_file(".pp", mutations.text_changed),
+    "match": Target(functools.cache(match_seeds), mutations.in_zip(mutations.in_npy), read_match),
+}
+
+
 # -- distances, pipelines, kept stages ----------------------------------------------------------------
 
 
@@ -421,7 +490,7 @@ OTHERS = {
     "stage_cache": Target(functools.cache(stage_seeds), mutations.bytes_changed, read_stage),
 }
 
-TARGETS: dict[str, Target] = {**MESHES, **MAPS, **OTHERS}
+TARGETS: dict[str, Target] = {**MESHES, **MAPS, **LANDMARKS, **OTHERS}
 
 
 # -- a reader that does what none should, to try the sandbox -------------------------------------------
