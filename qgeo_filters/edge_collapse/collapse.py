@@ -24,7 +24,7 @@ class Complex(NamedTuple):
     quadrics: FloatArray  # (n, 10)
     faces: IntArray  # (m, 3); -1 in the first place of those that are gone
     face_edges: IntArray  # (m, 3)
-    ends: IntArray  # (E, 2)
+    ends: IntArray  # (E, 2); -1 in the first place of those that are gone
     rim: np.ndarray  # (E,) bool, edges of the boundary
     on_rim: np.ndarray  # (n,) bool, vertices of the boundary
     corner: IntArray  # (n,) one corner of each vertex, -1 where there is none
@@ -136,11 +136,9 @@ def _run(
 
 @kernel
 def _put_all(whole: Complex, queue: BucketQueue, place: FloatArray) -> None:
-    for f in range(len(whole.faces)):
-        if whole.faces[f, 0] != _NONE:
-            for k in range(3):
-                e = whole.face_edges[f, k]
-                put(queue, e, _cost(whole, whole.ends[e, 0], whole.ends[e, 1], place))
+    for e in range(len(whole.ends)):
+        if whole.ends[e, 0] != _NONE:
+            put(queue, e, _cost(whole, whole.ends[e, 0], whole.ends[e, 1], place))
 
 
 @kernel
@@ -241,6 +239,7 @@ def _merge(whole: Complex, queue: BucketQueue, e: int, place: FloatArray) -> Non
                 kept, gone = (one, two) if whole.ends[one, 0] == a or whole.ends[one, 1] == a else (two, one)
                 gone0, kept0, gone1, kept1 = gone, kept, gone0, kept0
                 whole.rim[kept] |= whole.rim[gone]
+                whole.ends[gone, 0] = _NONE
                 leave(queue, gone)
                 whole.faces[f, 0] = _NONE
         c = whole.link[c]
@@ -264,6 +263,7 @@ def _merge(whole: Complex, queue: BucketQueue, e: int, place: FloatArray) -> Non
         c = whole.link[c]
         if c == start:
             break
+    whole.ends[e, 0] = _NONE
     # one ring of both, without the corners of what is gone
     first = whole.corner[a]
     whole.link[first], whole.link[start] = whole.link[start], whole.link[first]
