@@ -55,20 +55,6 @@ def closest_facing_points(points: FloatArray, normals: FloatArray, surface: Surf
     return faces, coordinates
 
 
-def closest_facing_vertices(points: FloatArray, normals: FloatArray, surface: Surface) -> IndexArray:
-    """Vertex of the surface closest to each point (k, 3), of those whose normal does not face away from its own."""
-    vertices, points = _unit(surface, surface.vertices), _unit(surface, points)
-    used = np.setdiff1d(np.arange(surface.n_vertices), surface.unreferenced_vertices)
-    _, nearest = cKDTree(vertices[used]).query(points)
-    closest: IndexArray = used[nearest]
-    away = np.flatnonzero(np.einsum("ij,ij->i", normals, surface.vertex_normals[closest]) < 0)
-    if away.size:
-        found = _nearest_facing(points[away], normals[away], vertices[used], surface.vertex_normals[used])
-        has = found[:, 0] >= 0
-        closest[away[has]] = used[found[has, 0]]
-    return closest
-
-
 def _unit(surface: Surface, points: FloatArray) -> FloatArray:
     """Points where the surface has its centre in the origin and unit area."""
     scaled: FloatArray = (points - surface.vertices.mean(axis=0)) / (np.sqrt(surface.area) or 1.0)
@@ -78,7 +64,7 @@ def _unit(surface: Surface, points: FloatArray) -> FloatArray:
 def _nearest_facing(points: FloatArray, normals: FloatArray, places: FloatArray, facing: FloatArray) -> IndexArray:
     """Nearest places (k, c) that face the way of each point, in the order of their distance, -1 where there are none.
 
-    Nearest in space and direction: a step across a sheet of unit area counts as much as to turn by a few degrees.
+    Nearest in space and direction together; only those that agree in direction are listed.
     """
     count = min(_CANDIDATES, len(places))
     tree = cKDTree(np.hstack([places, _TURN * facing]))
