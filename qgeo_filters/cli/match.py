@@ -35,6 +35,14 @@ def match(
             help="True vertex of Y (from 0) for each of X, as .npz, .npy or text: adds errors.",
         ),
     ] = None,
+    hints: Annotated[
+        Path | None,
+        typer.Option(
+            "--hints",
+            metavar="FILE",
+            help="Landmarks that steer the search: a vertex of X and one of Y a line, from 0, roughly right.",
+        ),
+    ] = None,
     normalize: Annotated[
         bool, typer.Option("--normalize/--no-normalize", help="Compare shapes regardless of their size.")
     ] = True,
@@ -51,30 +59,39 @@ def match(
     result.npz: p2p (n_X,), score, runner_up, inverse (n_Y,), functional_map (20, 20), distortion (n_X,),
     regions_x (n_X,), regions_y (n_Y,), corners (n_X, 3) and barycentric (n_X, 3), the vertices of a triangle of Y and
     the place within it, finer than p2p, and errors (n_X,) with --truth. match_log.md: every map that was proposed,
-    what it cost, and which rule dropped it.
+    what it cost, and which rule dropped it. With --hints also landmarks (k, 2) and landmark_errors (k,), how far the
+    map comes from each, in sqrt(area).
     """
     import numpy as np
 
+    from qgeo_filters.cli.hints_file import read_pairs
     from qgeo_filters.cli.job import Job
     from qgeo_filters.evaluation.errors import geodesic_error
     from qgeo_filters.filters import stages
+    from qgeo_filters.matching.hints import Hints
     from qgeo_filters.matching.prepared_shape import check_same_size
 
     mend = repair_option(repair, force)
-    parameters = {"normalize": normalize, "truth": None if truth is None else str(truth), "repair": mend}
+    parameters = {
+        "normalize": normalize,
+        "truth": None if truth is None else str(truth),
+        "hints": None if hints is None else str(hints),
+        "repair": mend,
+    }
     job = Job(
         "match",
         Settings(output, quiet, json, mend, pictures),
         parameters,
         [x, y],
         names=("X", "Y"),
-        inputs=[] if truth is None else [truth],
+        inputs=[file for file in (truth, hints) if file is not None],
         pictures=(*_PICTURES, *(() if truth is None else _PICTURES_OF_ERRORS)),
         texts=("match_log.md",),
     )
     shape_x, shape_y = job.read()
     shapes = shape_x, shape_y
     target = None if truth is None else read_truth(truth, shapes[0].n_vertices, shapes[1].n_vertices)
+    landmarks = None if hints is None else Hints.of(*shapes, read_pairs(hints)).landmarks
     if not normalize:
         check_same_size(*shapes)
     prepared = []  # held here: the next stages then find them, whatever the bound of the cache
@@ -82,7 +99,7 @@ def match(
         with job.stage(f"spectra of {'XY'[index]}", index):
             prepared.append(stages.prepared_shape_of(shape, job.progress))
     with job.stage("match"):
-        found = stages.correspondence_of(*shapes, normalize, job.progress)
+        found = stages.correspondence_of(*shapes, normalize, job.progress, landmarks=landmarks)
     arrays = {
         "p2p": found.p2p,
         "score": np.float64(found.score),
@@ -100,6 +117,8 @@ def match(
         "qgeo_region": found.regions_x,
         "qgeo_distortion": found.distortion,
     }
+    if landmarks is not None:
+        arrays |= {"landmarks": landmarks, "landmark_errors": found.landmark_errors}
     results = match_results(found)
     errors = None
     if target is not None:

@@ -128,3 +128,39 @@ def test_what_belongs_to_a_shape_is_computed_once(qgeo: Qgeo, monkeypatch: pytes
     assert result.exit_code == 0, result.stderr
     assert len(searched) == 1
     assert len(measured) == 3  # one for each metric that proposes maps
+
+
+def test_hints_from_a_file(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> None:
+    """Pairs of vertices; one that contradicts the others is named."""
+    pairs = np.array([[3, truth[3]], [50, truth[50]], [110, truth[110]], [7, truth[90]]])
+    lines = ["x_vertex,y_vertex", *(f"{i},{j}" for i, j in pairs), "# that was all"]
+    Path("hints.csv").write_text("\n".join(lines))
+    command = ("match", "blob.off", "other/blob.off", "--hints", "hints.csv", "--no-pictures")
+    result = qgeo(*command)
+    assert result.exit_code == 0, result.stderr
+    content, arrays = loaded(Path("qgeo-out/match"))
+    np.testing.assert_array_equal(arrays["landmarks"], pairs)
+    assert arrays["landmark_errors"][:3].max() < 0.05 < 0.1 < arrays["landmark_errors"][3]
+    assert (arrays["p2p"] == truth).mean() > 0.95
+    said = f"landmark 3 (vertex 7 of X, vertex {truth[90]} of Y) contradicts the rest"
+    assert content["results"]["explanation"].startswith(said)
+    assert content["parameters"]["hints"] == "hints.csv"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "hints.csv holds no pair of vertices"),
+        ("x,y\n1,2\nnose,3", "line 3 is no pair of vertices: 'nose,3'"),
+        ("1 2\n1 2 3", "line 2 has 3 numbers, expected a vertex of X and one of Y"),
+        ("1.5 2", r"hints.csv: pairs[0, 0] is 1.5, not a whole number"),
+        ("1 2\n1 3", "landmarks contradict each other: vertex 1 of X belongs to vertices 2, 3 of Y"),
+        ("1 99999", "landmark 0 is vertex 99999 of Y"),
+    ],
+)
+def test_hints_that_cannot_be_are_one_line(qgeo: Qgeo, truth: np.ndarray, text: str, message: str) -> None:
+    Path("hints.csv").write_text(text)
+    result = qgeo("match", "blob.off", "other/blob.off", "--hints", "hints.csv")
+    assert result.exit_code == 2
+    assert message in " ".join(result.stderr.split())
+    assert not Path("qgeo-out").exists()

@@ -96,3 +96,33 @@ def test_the_spectrum_of_the_laplacian_is_kept(cache: StageCache) -> None:
     surface = qg.Surface(*blob(1))
     assert stages.laplacian_spectrum_of(surface, 4) is stages.laplacian_spectrum_of(surface, 4)
     assert stages.laplacian_spectrum_of(surface, 5).k == 5
+
+
+def test_hints_enter_the_key_however_they_are_written(cache: StageCache, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And the filter hands them on."""
+    surface, seen = qg.Surface(*blob(1)), []
+
+    def spy(x, y, **options):
+        seen.append((options["landmarks"], options["labels"]))
+        return f"match {len(seen)}"
+
+    monkeypatch.setattr(stages, "match", spy)
+    monkeypatch.setattr(stages, "prepared_shape_of", lambda surface, *_: surface)
+
+    def found(**hints):
+        return stages.correspondence_of(surface, surface, True, **hints)
+
+    labels = np.repeat([0, 1], surface.n_vertices // 2), np.repeat([1, 0], surface.n_vertices // 2)
+    assert found() == "match 1"
+    assert seen == [(None, None)]
+    assert found(landmarks=[(1, 2), (3, 4)]) == "match 2"
+    assert found(landmarks=np.array([[1, 2], [3, 4]])) == "match 2"
+    assert found(landmarks=(surface.vertices[[1, 3]], surface.vertices[[2, 4]])) == "match 2"
+    assert found(landmarks=[(1, 2)]) == "match 3"
+    assert found(labels=labels) == "match 4"
+    assert found(labels=labels[::-1]) == "match 5"
+    assert found() == "match 1"
+    np.testing.assert_array_equal(seen[1][0], [[1, 2], [3, 4]])
+    assert [entry[1] is None for entry in seen] == [True, True, True, False, False]
+    with pytest.raises(ParameterError, match="landmark 0 is vertex 42 of Y"):
+        qg.Correspondence(target=surface, landmarks=[(0, 42)])(surface)
