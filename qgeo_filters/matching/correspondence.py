@@ -131,6 +131,10 @@ def match(
     compete. The best is the one along which X deforms with the least strain, tearing and folding onto parts that are
     alike (`choose_map`), registered on all vertices (`register`). The result does not depend on the signs
     and order that a solver returns, nor on position and size.
+
+    Hints propose maps of their own, make maps dearer that disagree with them at each choice, and are felt by the
+    registration near them (`KnownParts`). They may say that Y is a mirror image. The map is not confident if it
+    contradicts one of them, or if without them another map would clearly have been chosen.
     """
     bar = tqdm(total=4, desc="prepare X", disable=not progress)
     with default_workers(workers), single_threaded_blas, bar:
