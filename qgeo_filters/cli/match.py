@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
+from functools import partial as applied
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,6 +14,7 @@ from qgeo_filters.errors import MeshError, ParameterError, reason
 if TYPE_CHECKING:
     import numpy as np
 
+    from qgeo_filters._typing import PartialOption
     from qgeo_filters.cli.job import Job
     from qgeo_filters.matching.match_log import MatchLog
     from qgeo_filters.matching.match_result import MatchResult
@@ -46,6 +47,14 @@ def match(
     normalize: Annotated[
         bool, typer.Option("--normalize/--no-normalize", help="Compare shapes regardless of their size.")
     ] = True,
+    partial: Annotated[
+        bool | None,
+        typer.Option(
+            "--partial/--no-partial",
+            help="Whether one shape is a part of the other; by default that is tried where a match is not sure.",
+            show_default=False,
+        ),
+    ] = None,
     workers: Workers = None,
     output: Output = None,
     repair: Repair = False,
@@ -66,17 +75,19 @@ def match(
 
     from qgeo_filters.cli.hints_file import read_pairs
     from qgeo_filters.cli.job import Job
-    from qgeo_filters.evaluation.errors import geodesic_error
     from qgeo_filters.filters import stages
     from qgeo_filters.matching.hints import Hints
+    from qgeo_filters.matching.partial.partial_match import matched_as_part
     from qgeo_filters.matching.prepared_shape import check_same_size
 
     mend = repair_option(repair, force)
+    as_part: PartialOption = "auto" if partial is None else partial
     parameters = {
         "normalize": normalize,
         "truth": None if truth is None else str(truth),
         "hints": None if hints is None else str(hints),
         "repair": mend,
+        "partial": as_part,
     }
     job = Job(
         "match",
@@ -92,14 +103,15 @@ def match(
     shapes = shape_x, shape_y
     target = None if truth is None else read_truth(truth, shapes[0].n_vertices, shapes[1].n_vertices)
     landmarks = None if hints is None else Hints.of(*shapes, read_pairs(hints)).landmarks
-    if not normalize:
+    whole = not matched_as_part(*shapes, as_part, normalize)
+    if not normalize and whole:
         check_same_size(*shapes)
     prepared = []  # held here: the next stages then find them, whatever the bound of the cache
-    for index, shape in enumerate(shapes):
+    for index, shape in enumerate(shapes if whole else ()):
         with job.stage(f"spectra of {'XY'[index]}", index):
             prepared.append(stages.prepared_shape_of(shape, job.progress))
     with job.stage("match"):
-        found = stages.correspondence_of(*shapes, normalize, job.progress, landmarks=landmarks)
+        found = stages.correspondence_of(*shapes, normalize, job.progress, partial=as_part, landmarks=landmarks)
     arrays = {
         "p2p": found.p2p,
         "score": np.float64(found.score),
@@ -123,7 +135,7 @@ def match(
     errors = None
     if target is not None:
         with job.stage("errors"):
-            errors = geodesic_error(found.p2p, target, shapes[1])
+            errors = found.error(target)
         results |= error_results(errors)
         arrays["errors"] = attributes["qgeo_error"] = errors
     job.save(
@@ -175,21 +187,25 @@ def match_results(found: MatchResult) -> dict[str, Any]:
         "confident": found.confident,
         "explanation": found.explanation,
         "score": found.score,
-        "largest_distortion": float(found.distortion.max()),
+        "largest_distortion": float(np.nanmax(found.distortion)),
         "runner_up": found.runner_up,
         "margin": found.margin,
         "orientation": found.orientation,
         "hks_agreement": found.hks_agreement,
         "c_xy": found.c_xy,
-        "vertices_of_y_reached": len(np.unique(found.p2p)),
+        "vertices_of_y_reached": len(np.unique(found.p2p[found.p2p >= 0])),
+        "overlap_x": found.overlap_x,
+        "overlap_y": found.overlap_y,
     }
 
 
 def error_results(errors: np.ndarray) -> dict[str, Any]:
     """Numbers of the errors against the truth, in units of sqrt(area), for result.json."""
+    import numpy as np
+
     from qgeo_filters.evaluation.errors import THRESHOLDS, ErrorSummary
 
-    summary = ErrorSummary.of(errors)
+    summary = ErrorSummary.of(errors[np.isfinite(errors)])  # of what has a partner
     shares = {
         f"percent_within_{threshold:g}": 100 * share for threshold, share in zip(THRESHOLDS, summary.below, strict=True)
     }
@@ -204,12 +220,14 @@ def draw_log(job: Job, log: MatchLog) -> None:
         "match_log",
         "The maps that were proposed, the chosen one first: how much they distort distances, what deforming X along "
         "them costs, and which rule dropped them (all of them: match_log.md).",
-        partial(plot_match_log, log),
+        applied(plot_match_log, log),
     )
 
 
 def draw_match(job: Job, x: Surface, y: Surface, found: MatchResult, errors: np.ndarray | None) -> None:
     """Pictures of the map, of its regions, its distortion, and its errors where the truth is known."""
+    import numpy as np
+
     from qgeo_filters.cli.job import as_title
     from qgeo_filters.report.curves import plot_error_curve, plot_histogram
     from qgeo_filters.report.figures import plot_correspondence, plot_scalar
@@ -223,28 +241,33 @@ def draw_match(job: Job, x: Surface, y: Surface, found: MatchResult, errors: np.
     job.picture(
         "match",
         f"{doubt}The colours of Y carried over to X along the map: points that belong together have one colour.",
-        partial(plot_correspondence, x, y, found.p2p, names=names, views=views),
+        applied(plot_correspondence, x, y, found.p2p, names=names, views=views),
     )
     job.picture(
         "regions",
         "Regions of equal colour on both shapes (paper, Fig. 6).",
-        partial(plot_region_pair, x, y, found.regions_x, found.regions_y, names=names, views=views),
+        applied(plot_region_pair, x, y, found.regions_x, found.regions_y, names=names, views=views),
     )
     unit = "distortion of distances (√area)"
+    known = np.isfinite(found.distortion)  # not where there is no partner
     job.picture(
         "distortion",
         "How far, in the mean, the distances from a point of X differ from those from its image on Y.",
-        partial(plot_scalar, x, found.distortion, unit),
+        applied(plot_scalar, x, found.distortion, unit),
     )
     job.picture(
         "distortion_histogram",
         "The same over the area of X: all at the left for shapes that only bend.",
-        partial(plot_histogram, found.distortion, x.vertex_areas, unit),
+        applied(plot_histogram, found.distortion[known], x.vertex_areas[known], unit),
     )
     if errors is not None:
         job.picture(
             "errors",
             "Distance on Y between a point's image and its true image.",
-            partial(plot_scalar, x, errors, "error (√area)"),
+            applied(plot_scalar, x, errors, "error (√area)"),
         )
-        job.picture("error_curve", "Share of the points within an error.", partial(plot_error_curve, errors))
+        job.picture(
+            "error_curve",
+            "Share of the points within an error.",
+            applied(plot_error_curve, errors[np.isfinite(errors)]),
+        )

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from qgeo_filters._typing import PartialOption
 from qgeo_filters.defaults import CURVATURE_WEIGHT, SYMMETRY_K0
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.errors import ParameterError
@@ -111,13 +112,15 @@ class Correspondence(Filter):
         vertices that are named are its own all the same.
     normalize : bool
         Whether to compare the shapes regardless of size.
+    partial : bool, "auto"
+        Whether one shape is a part of the other, see `match`: -1 and NaN where there is no partner.
     landmarks, labels : optional
         What is known of the map, see `match`: pairs (vertex of the mesh, vertex of the target) or points, and the part
         of each vertex of the mesh and of the target.
     """
 
     outputs = {
-        "qgeo_correspondence": "(n,) int: corresponding vertex of the target",
+        "qgeo_correspondence": "(n,) int: corresponding vertex of the target, -1: none",
         "qgeo_distortion": "(n,), sqrt(area): mean difference of distances from the point and from its image",
         "qgeo_region": "(n,) int32: region, of equal number on the target",
     }
@@ -131,10 +134,17 @@ class Correspondence(Filter):
         return cls(target=surface)
 
     def __init__(
-        self, *, target: Any = None, normalize: bool = True, landmarks: Any = None, labels: Any = None
+        self,
+        *,
+        target: Any = None,
+        normalize: bool = True,
+        partial: PartialOption = "auto",
+        landmarks: Any = None,
+        labels: Any = None,
     ) -> None:
         self.target = target
         self.normalize = normalize
+        self.partial = partial
         self.landmarks = landmarks
         self.labels = labels
 
@@ -155,7 +165,9 @@ class Correspondence(Filter):
             raise ParameterError("Correspondence needs the other shape: Correspondence(target=mesh)")
         target, _ = surface_and_repair(self.target, "auto")
         hints = {"landmarks": self.landmarks, "labels": self.labels}
-        found = stages.correspondence_of(surface, target, self.normalize, progress, repair_x=False, **hints)
+        found = stages.correspondence_of(
+            surface, target, self.normalize, progress, repair_x=False, partial=self.partial, **hints
+        )
         self.correspondence_ = found
         return {
             "qgeo_correspondence": found.p2p,

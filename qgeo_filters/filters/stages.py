@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from qgeo_filters._typing import RepairOption
+from qgeo_filters._typing import PartialOption, RepairOption
 from qgeo_filters.caching import cache
 from qgeo_filters.differential.scalar import BUILT_IN, Scalar
 from qgeo_filters.fingerprint import content_key
@@ -23,6 +23,7 @@ from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.hints import Hints, LabelPair, LandmarkPairs
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.parameters import MatchingParameters
+from qgeo_filters.matching.partial.partial_match import matched_as_part
 from qgeo_filters.matching.prepared_shape import PreparedShape, check_same_size
 from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
 from qgeo_filters.parallel import default_workers, worker_count
@@ -135,25 +136,35 @@ def correspondence_of(
     *,
     repair_x: RepairOption = "auto",
     repair_y: RepairOption = "auto",
+    partial: PartialOption = "auto",
     landmarks: LandmarkPairs | None = None,
     labels: LabelPair | None = None,
 ) -> MatchResult:
     """Correspondence of two surfaces, see `match`."""
     hints = Hints.of(x, y, landmarks, labels)
-    if not normalize:
+    as_part = matched_as_part(x, y, partial, normalize)
+    if not normalize and not as_part:
         check_same_size(x, y)  # before shapes are prepared
+
+    def prepared(surface: Surface, repair: RepairOption) -> PreparedShape:
+        if as_part:  # which needs no distances between all vertices
+            return PreparedShape(surface, parameters=MatchingParameters(), repair=repair)
+        return prepared_shape_of(surface, progress, repair=repair)
 
     def compute() -> MatchResult:
         return match(
-            prepared_shape_of(x, progress, repair=repair_x),
-            prepared_shape_of(y, progress, repair=repair_y),
+            prepared(x, repair_x),
+            prepared(y, repair_y),
             normalize=normalize,
+            partial=partial,
             landmarks=hints.landmarks if len(hints.landmarks) else None,
             labels=labels and hints.labels,
         )
 
     shapes = x.vertices, x.faces, y.vertices, y.faces, repair_x, repair_y
-    key = content_key("correspondence", *shapes, normalize, MatchingParameters(), hints.landmarks, *hints.labels)
+    key = content_key(
+        "correspondence", *shapes, normalize, partial, MatchingParameters(), hints.landmarks, *hints.labels
+    )
     return _kept(key, compute, workers=workers)
 
 

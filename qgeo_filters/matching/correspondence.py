@@ -18,7 +18,7 @@ from qgeo_filters.matching.maps.orientation import orientation
 from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.parameters import MatchingParameters
-from qgeo_filters.matching.partial.partial_match import better_as_part, partial_match
+from qgeo_filters.matching.partial.partial_match import better_as_part, matched_as_part, partial_match
 from qgeo_filters.matching.prepared_shape import Shape, check_same_size
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.regions import eigenfunction_regions
@@ -92,8 +92,9 @@ def match(
     partial : bool, "auto"
         Whether one shape is matched as a part of the other: a scan from one side, a body without a limb or half of it.
         Then ``p2p`` and ``inverse`` are -1 where there is no partner, and ``overlap_x`` and ``overlap_y`` say how much
-        has one; see `partial_match`. By default, "auto", a match that is not sure is tried again so where one shape
-        has a boundary and less area than the other.
+        has one; see `partial_match`. By default, "auto", so it is where one shape has a boundary and less area than the
+        other and sizes count (``normalize=False``), or else if the match of the whole shapes is not sure, and that of
+        the part is.
     landmarks : sequence of (int, int), pair of (k, 3) arrays, or pair of Landmarks, optional
         What is known: pairs (vertex of X, vertex of Y), or points on X and those on Y that they belong to, or
         landmarks of equal names; to within a few edges. Even a single one steers the search. Which of them the map
@@ -141,7 +142,7 @@ def match(
         problem = MatchProblem.of(
             x, y, parameters, repair=repair, landmarks=landmarks, labels=labels, progress=progress
         )
-        if partial is True:
+        if matched_as_part(problem.x.full, problem.y.full, partial, normalize):
             if landmarks is not None or labels is not None:
                 raise ParameterError(
                     "landmarks and labels do not steer partial matches yet: leave them out, or partial"

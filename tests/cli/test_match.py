@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from shapes import creature
 from typer.testing import Result
 
 import qgeo_filters as qg
@@ -164,3 +165,24 @@ def test_hints_that_cannot_be_are_one_line(qgeo: Qgeo, truth: np.ndarray, text: 
     assert result.exit_code == 2
     assert message in " ".join(result.stderr.split())
     assert not Path("qgeo-out").exists()
+
+
+@pytest.mark.parametrize("how", ["--partial", "--no-normalize"])
+def test_a_part(qgeo: Qgeo, loaded: Loaded, how: str) -> None:
+    """Half of the body: said to be a part, or of the size of one where sizes count."""
+    body = qg.Surface(*creature())
+    part, numbers = body.submesh(body.vertices[:, 1] > -0.25)
+    part.write("part.off")
+    body.write("body.off")
+    np.savetxt("truth.txt", numbers, fmt="%d")
+    result = qgeo("match", "part.off", "body.off", how, "--truth", "truth.txt")
+    assert result.exit_code == 0, result.stderr
+    content, arrays = loaded(Path("qgeo-out/match"))
+    found = content["results"]
+    assert found["confident"], found["explanation"]
+    assert found["mean_error"] < 0.03
+    assert found["overlap_x"] == 1.0
+    assert found["overlap_y"] == pytest.approx(part.area / body.area, abs=0.05)
+    assert (arrays["inverse"] < 0).mean() == pytest.approx(1 - found["overlap_y"], abs=0.1)
+    assert found["vertices_of_y_reached"] <= part.n_vertices
+    assert {"match.png", "distortion_histogram.png", "error_curve.png"} <= set(content["files"])

@@ -57,9 +57,13 @@ def overlap(part: PartShape, whole: PartShape, found: PartMap) -> Overlap:
         _only(there, near),
         _only(back, covered),
         positions,
-        float(part.full.vertex_areas @ near) / part.full.area,
-        float(whole.full.vertex_areas @ covered) / whole.full.area,
+        _share(part.full, near),
+        _share(whole.full, covered),
     )
+
+
+def _share(surface: Surface, chosen: npt.NDArray[np.bool_]) -> float:
+    return float(surface.vertex_areas[chosen].sum() / surface.vertex_areas.sum())
 
 
 def _places(points: FloatArray, normals: FloatArray, surface: Surface) -> BarycentricMap:

@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters._typing import FloatArray
+from qgeo_filters._typing import FloatArray, PartialOption
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.matching.maps.functional_map import functional_map
 from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.match_result import MatchResult
+from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.partial.distance_bounds import violations
 from qgeo_filters.matching.partial.overlap import Overlap, in_faces_of, overlap, vertices_of
 from qgeo_filters.matching.partial.part_choice import PartChoice, PartDecision
@@ -48,31 +49,42 @@ def partial_match(problem: MatchProblem, *, given: PartialParameters | None = No
         Neither shape can be a part of the other by its rim and area.
     """
     chosen = PartialParameters() if given is None else given
-    x_is_part = part_is_x(problem.x, problem.y)
+    x_is_part = part_is_x(problem.x.full, problem.y.full)
     part, whole = (problem.x, problem.y) if x_is_part else (problem.y, problem.x)
     pair = _Pair.of(part, whole, chosen)
     decision = PartChoice(pair.part, pair.whole, problem.log).decide()
     return _described(problem, pair, decision, x_is_part)
 
 
+def matched_as_part(x: Surface, y: Surface, partial: PartialOption, normalize: bool) -> bool:
+    """Whether one shape is matched as a part of the other from the start.
+
+    As was said, or, by "auto", if sizes count and say so: the shape with a rim has clearly less area.
+    """
+    if partial != "auto":
+        return partial
+    share = x.area / y.area
+    if normalize or max(share, 1 / share) <= MatchingParameters.same_area:
+        return False
+    return bool(len((x if share < 1 else y).boundary_vertices))
+
+
 def better_as_part(problem: MatchProblem, found: MatchResult, given: PartialParameters | None = None) -> MatchResult:
     """The match of the whole shapes, or that of a part if only that one can be trusted.
 
-    Tried where the former is not sure, and one shape has a rim and clearly less area; in one unit of length.
+    Tried where the former is not sure, and one shape has a rim and clearly less area in one unit of length.
     """
     chosen = PartialParameters() if given is None else given
-    try:
-        x_is_part = part_is_x(problem.x, problem.y)
-    except ParameterError:
-        return found
-    part, whole = (problem.x, problem.y) if x_is_part else (problem.y, problem.x)
-    if found.confident or part.full.area > chosen.most_area * whole.full.area:
+    x, y = problem.x.full, problem.y.full
+    share = x.area / y.area
+    small = x if share <= 1 else y
+    if found.confident or min(share, 1 / share) > chosen.most_area or not len(small.boundary_vertices):
         return found
     partial = partial_match(replace(problem, log=MatchLog()), given=chosen)
     return partial if partial.confident else found
 
 
-def part_is_x(x: PreparedShape, y: PreparedShape) -> bool:
+def part_is_x(x: Surface, y: Surface) -> bool:
     """Whether X is the part and Y the whole; False if it is the other way round.
 
     Raises
@@ -80,8 +92,8 @@ def part_is_x(x: PreparedShape, y: PreparedShape) -> bool:
     ParameterError
         Neither has a rim, or the one that has is the larger.
     """
-    share = x.full.area / y.full.area
-    rims = len(x.full.boundary_vertices) > 0, len(y.full.boundary_vertices) > 0
+    share = x.area / y.area
+    rims = len(x.boundary_vertices) > 0, len(y.boundary_vertices) > 0
     if share <= 1 and rims[0]:
         return True
     if share >= 1 and rims[1]:
