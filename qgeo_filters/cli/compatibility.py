@@ -36,7 +36,7 @@ def compatibility(
     curvature_weight: Weight = CURVATURE_WEIGHT,
     workers: Workers = None,
     output: Output = None,
-    repair: Repair = False,
+    repair: Repair = None,
     force: Force = False,
     pictures: Pictures = True,
     json: Json = False,
@@ -64,13 +64,15 @@ def compatibility(
     poses = job.read()
     with job.stage("compatibility"):
         found = compatibility_of(poses, baselines, k=k, curvature_weight=curvature_weight, progress=job.progress)
+    first = found.baselines[0]
     arrays = {
         "d_s": np.float64(found.d_s),
         "c_xy": found.c_xy,
         "eigenvalues": found.eigenvalues,
         "index": found.index,
         "signs": found.signs,
-        "maps": np.stack(found.maps),
+        # For each vertex of the first baseline its vertex of each pose.
+        "maps": np.stack([job.on_given(job.as_given(m, p), first) for p, m in enumerate(found.maps)]),
     }
     one_mesh = all(np.array_equal(image, np.arange(len(image))) for image in found.maps)
     pairs = found.c_xy[np.triu_indices(len(poses), 1)]

@@ -59,7 +59,7 @@ def distances(
     accuracy: Accuracy = 1e-3,
     workers: Workers = None,
     output: Output = None,
-    repair: Repair = False,
+    repair: Repair = None,
     force: Force = False,
     pictures: Pictures = True,
     json: Json = False,
@@ -68,7 +68,8 @@ def distances(
     """Measure distances over the surface, between all pairs of vertices or from chosen ones.
 
     result.npz: distances, (n, n) float32, or (s, n) float64 with sources (s,). With --matrix the distances are there, a
-    Zarr array of float32, and result.npz has mean_distance (n,).
+    Zarr array of float32, and result.npz has mean_distance (n,); of a mesh that was repaired the matrix has the
+    repaired vertices, and vertex_of_original (n,) tells which stands for each of the file's, -1 if none.
     """
     import numpy as np
 
@@ -77,7 +78,6 @@ def distances(
     from qgeo_filters.geodesics.matrix import distance_matrix
     from qgeo_filters.geodesics.matrix import distances as distances_from
     from qgeo_filters.report.figures import plot_distance_field, plot_distance_matrix, plot_scalar
-    from qgeo_filters.validation import checked_indices
 
     chosen = _indices(sources)
     mend = repair_option(repair, force)
@@ -102,10 +102,11 @@ def distances(
         inputs=[] if matrix is None else [matrix],
         pictures=drawn,
     )
-    (surface,) = job.read()
+    (surface,) = job.read("all")
     n = surface.n_vertices
     if chosen:
-        checked_indices(chosen, n, "sources")
+        with job.about():
+            there = job.vertices(chosen, "sources")
     elif matrix is None and 4 * n * n > LARGEST_MATRIX:
         raise ParameterError(
             f"all pairs of {n} vertices would take {4e-9 * n * n:.0f} GB of memory; choose vertices with --sources, or "
@@ -116,13 +117,19 @@ def distances(
     field: Any  # an array, or one on disk
     with job.stage("distances"):
         if chosen:
-            field = distances_from(surface, chosen, metric, method, accuracy=accuracy, progress=job.progress)
+            field = distances_from(surface, there, metric, method, accuracy=accuracy, progress=job.progress)
         elif matrix is None:
             field = stages.matrix_of(metric, method, accuracy, job.progress)
         else:
             field = distance_matrix(surface, metric, method, accuracy=accuracy, out=matrix, progress=job.progress)
     results, centrality = _measured(field)
-    arrays = {"distances": field} if matrix is None else {"mean_distance": centrality}
+    if matrix is None:
+        given = job.on_given(field, axis=1)
+        arrays = {"distances": given if chosen else job.on_given(given)}
+    else:
+        arrays = {"mean_distance": job.on_given(centrality)}
+        if job.repairs[0] is not None:  # rows and columns of the matrix are the repaired mesh's
+            arrays["vertex_of_original"] = job.repairs[0].vertex_of_original
     if chosen:
         attributes = {"qgeo_distance": field[0] if len(chosen) == 1 else field.T}
         arrays["sources"] = np.array(chosen)
@@ -133,7 +140,7 @@ def distances(
         job.picture(
             f"distance_{vertex}",
             f"Distance from vertex {vertex} (red), with lines of equal distance.",
-            partial(plot_distance_field, surface, field[index], vertex),
+            partial(plot_distance_field, surface, field[index], there[index]),
         )
     if not chosen and matrix is None:
         job.picture(
@@ -192,7 +199,7 @@ def path(
     scalar: Scalar = "mean_curvature",
     smoothing: Smoothing = 0.0,
     output: Output = None,
-    repair: Repair = False,
+    repair: Repair = None,
     force: Force = False,
     pictures: Pictures = True,
     json: Json = False,
@@ -221,8 +228,11 @@ def path(
     }
     settings = Settings(output, quiet, json, mend, pictures)
     job = Job("path", settings, parameters, [mesh], pictures=("path", "path_curvature"))
-    (surface,) = job.read()
-    start, end = checked_index(i, surface.n_vertices, "I"), checked_index(j, surface.n_vertices, "J")
+    (surface,) = job.read("all")
+    with job.about():
+        for vertex, name in ((i, "I"), (j, "J")):
+            checked_index(vertex, job.given_vertices(), name)
+        (start,), (end,) = job.vertices([i], "I"), job.vertices([j], "J")
     with job.stage("metric"):
         metric = stages.metric_of(surface, scalar, curvature_weight, smoothing)
     with job.stage("path"):
@@ -234,6 +244,11 @@ def path(
         "largest_kappa_g": float(np.nanmax(np.abs(kappa), initial=0.0)),
         "converged": bool(found.converged),
     }
+    faces: np.ndarray = found.faces
+    weights, mended = found.barycentric, job.repairs[0]
+    if mended is not None:
+        weights = np.where(mended.turned[faces][:, None], weights[:, ::-1], weights)
+        faces = mended.face_origin[faces]
     beside = np.zeros(surface.n_vertices, dtype=np.int32)
     beside[surface.faces[found.faces]] = 1
     arrays = {
@@ -242,8 +257,8 @@ def path(
         "kappa_g": kappa,
         "left_angle": found.left_angle,
         "right_angle": found.right_angle,
-        "faces": found.faces,
-        "barycentric": found.barycentric,
+        "faces": faces,
+        "barycentric": weights,
     }
     job.save(results, arrays, surface.with_attributes({"qgeo_path": beside}))
     job.picture("path", f"The path from vertex {i} (yellow) to vertex {j} (red).", lambda: plot_path(surface, found))

@@ -22,9 +22,13 @@ from qgeo_filters.cli.errors import to_standard_output
 from qgeo_filters.cli.options import Settings
 from qgeo_filters.cli.outputs import LISTING, OutputFolder
 from qgeo_filters.errors import MeshError, QgeoError, TooLargeError, of_file, reason
-from qgeo_filters.hosts.repair import repair_surface
+from qgeo_filters.filters.repaired import carried_back, repaired_vertices
+from qgeo_filters.hosts.dispatch import as_given, surface_and_repair
+from qgeo_filters.hosts.repair import Repair
+from qgeo_filters.repair.triangle_soup import Pieces
 from qgeo_filters.report.html import Picture, Table, formatted, write_report
 from qgeo_filters.surface import Surface
+from qgeo_filters.validation import checked_indices
 
 _PIPE_WIDTH = 120
 # Names of files and attributes are printed as they are: [these] would be taken for markup, :this: for a picture.
@@ -71,10 +75,12 @@ class Job:
         self.subject = ""
         self.paths = tuple(meshes)
         self.meshes: list[dict[str, Any]] = []
+        self.repairs: list[Repair | None] = []
         self.results: dict[str, Any] = {}
         self.seconds: dict[str, float] = {}
         self._names = tuple(names)
         self._pictures: list[Picture] = []
+        self._surfaces: list[Surface] = []
         self._notes = Console(stderr=True, quiet=settings.quiet, soft_wrap=True, **_PLAIN)
         drawn = pictures if settings.pictures else ()
         files = {"result.npz", "report.html", *texts, *(f"{name}.png" for name in drawn)}
@@ -133,23 +139,75 @@ class Job:
 
     # -- in -----------------------------------------------------------------------------------------
 
-    def read(self) -> list[Surface]:
-        """Surfaces of the files, repaired if asked to."""
-        return [self._read(index, path) for index, path in enumerate(self.paths)]
+    def read(self, pieces: Pieces = "largest") -> list[Surface]:
+        """Surfaces of the files, repaired if they must or are asked to be, in one piece or in all of them."""
+        for index, path in enumerate(self.paths):
+            with self.stage("read", index), of_file(str(path)):
+                given, repair = surface_and_repair(path, self.settings.repair, pieces)
+            surface = given if repair is None else repair.surface
+            self.repairs.append(repair)
+            self._describe(path, given, surface, repair.report if repair else ())
+        return self._surfaces
 
-    def _read(self, index: int, path: Path) -> Surface:
-        with self.stage("read", index), of_file(str(path)):
-            changes: Sequence[str] = ()
-            if self.settings.repair:
-                repaired = repair_surface(path, force=self.settings.repair == "force")
-                surface, changes = repaired.surface, repaired.report
-            else:
-                surface = Surface.read(path)
+    def read_given(self) -> list[Surface]:
+        """Surfaces of the files with all of their vertices, for what repairs them itself and says so by `repaired`."""
+        for index, path in enumerate(self.paths):
+            with self.stage("read", index), of_file(str(path)):
+                given, notes = as_given(path, self.settings.repair)
+            self.repairs.append(None)
+            self._describe(path, given, given, notes)
+        return self._surfaces
+
+    def _describe(self, path: Path, given: Surface, surface: Surface, changes: Sequence[str]) -> None:
         mesh = {"path": str(path), **description(surface)}
-        if self.settings.repair:
+        if self.settings.repair is not False and (changes or self.settings.repair != "auto"):
             mesh["repaired"] = list(changes)
+        if surface.n_vertices != given.n_vertices:
+            mesh["vertices_of_the_file"] = given.n_vertices
         self.meshes.append(mesh)
-        return surface
+        self._surfaces.append(surface)
+
+    def repaired(self, mesh: int, sentences: Sequence[str]) -> None:
+        """Say what was repaired of a mesh after it was read."""
+        if sentences:
+            self.meshes[mesh]["repaired"] = [*self.meshes[mesh].get("repaired", ()), *sentences]
+
+    def given_vertices(self, mesh: int = 0) -> int:
+        """Number of vertices of the file."""
+        repair = self.repairs[mesh]
+        return self._surfaces[mesh].n_vertices if repair is None else repair.given.n_vertices
+
+    def vertices(self, given: Sequence[int], what: str, mesh: int = 0) -> list[int]:
+        """Vertices of the surface that was read, for vertices of the file.
+
+        Raises
+        ------
+        ParameterError, MeshError
+            Out of range, or gone in the repair.
+        """
+        known = checked_indices(np.array(given, dtype=np.int64), self.given_vertices(mesh), what)
+        repair = self.repairs[mesh]
+        return list((known if repair is None else repaired_vertices(repair, what, known)).tolist())
+
+    def as_given(self, vertices: np.ndarray, mesh: int = 0) -> np.ndarray:
+        """Vertices of the file, for vertices of the surface that was read; -1 stays."""
+        repair = self.repairs[mesh]
+        return vertices if repair is None else np.where(vertices >= 0, repair.origin[np.maximum(vertices, 0)], -1)
+
+    def on_given(self, values: np.ndarray, mesh: int = 0, *, axis: int = 0, vertices: bool = False) -> np.ndarray:
+        """Values at the vertices of the file, from those of the surface that was read; NaN or -1 where one is gone.
+
+        Parameters
+        ----------
+        values : array of one entry along ``axis`` for each vertex of the surface
+        mesh, axis : int
+        vertices : bool
+            Whether the values are vertices of the mesh themselves.
+        """
+        repair = self.repairs[mesh]
+        if repair is None:
+            return values
+        return np.moveaxis(carried_back(repair, np.moveaxis(np.asarray(values), axis, 0), vertices), 0, axis)
 
     @property
     def names(self) -> list[str]:
@@ -158,16 +216,33 @@ class Job:
 
     # -- out ----------------------------------------------------------------------------------------
 
-    def save(self, results: Mapping[str, Any], arrays: Mapping[str, Any], *surfaces: Surface) -> None:
-        """Write result.json, result.npz and the meshes that were read, with their attributes."""
+    def save(
+        self, results: Mapping[str, Any], arrays: Mapping[str, Any], *surfaces: Surface, vertices: Iterable[str] = ()
+    ) -> None:
+        """Write result.json, result.npz and the meshes that were read, with their attributes, on the files' vertices.
+
+        ``vertices`` names the attributes that hold vertices of the mesh.
+        """
         self.results.update(results)
         with self._outputs.writing("result.npz") as temporary, temporary.open("wb") as file:
             np.savez(file, **dict(arrays))
         for note in self._outputs.left:
             self._notes.print(f"qgeo: {note}")
-        for name, surface in zip(self.names, surfaces, strict=True):
+        for mesh, (name, surface) in enumerate(zip(self.names, surfaces, strict=True)):
+            surface = self._of_file(surface, mesh, vertices)
             with self._outputs.writing(f"{name}.ply") as temporary:
                 surface.write(temporary)
+
+    def _of_file(self, surface: Surface, mesh: int, vertices: Iterable[str]) -> Surface:
+        """The mesh with the vertices of the file, and its attributes there."""
+        repair = self.repairs[mesh]
+        if repair is None or surface.faces is not repair.surface.faces:
+            return surface
+        known = repair.surface.attributes
+        added = {name: values for name, values in surface.attributes.items() if known.get(name) is not values}
+        return repair.given.with_attributes(
+            {name: carried_back(repair, values, name in vertices) for name, values in added.items()}
+        )
 
     def picture(self, name: str, caption: str, draw: Callable[[], Figure]) -> None:
         """Draw and write a picture, unless pictures are not wanted."""
@@ -225,6 +300,9 @@ class Job:
             for row in table.rows:
                 shown.add_row(*map(formatted, row))
             console.print(shown)
+        for mesh in self.meshes:
+            for sentence in mesh.get("repaired", ()):
+                console.print(f"repaired {Path(mesh['path']).name}: {sentence}", soft_wrap=True)
         console.print(f"{', '.join(self._outputs.files)} in {self.folder}", soft_wrap=True)
 
     def _subject(self) -> str:

@@ -57,7 +57,7 @@ def match(
     ] = None,
     workers: Workers = None,
     output: Output = None,
-    repair: Repair = False,
+    repair: Repair = None,
     force: Force = False,
     pictures: Pictures = True,
     json: Json = False,
@@ -99,7 +99,7 @@ def match(
         pictures=(*_PICTURES, *(() if truth is None else _PICTURES_OF_ERRORS)),
         texts=("match_log.md",),
     )
-    shape_x, shape_y = job.read()
+    shape_x, shape_y = job.read_given()
     shapes = shape_x, shape_y
     target = None if truth is None else read_truth(truth, shapes[0].n_vertices, shapes[1].n_vertices)
     landmarks = None if hints is None else Hints.of(*shapes, read_pairs(hints)).landmarks
@@ -109,9 +109,19 @@ def match(
     prepared = []  # held here: the next stages then find them, whatever the bound of the cache
     for index, shape in enumerate(shapes if whole else ()):
         with job.stage(f"spectra of {'XY'[index]}", index):
-            prepared.append(stages.prepared_shape_of(shape, job.progress))
+            prepared.append(stages.prepared_shape_of(shape, job.progress, repair=mend))
     with job.stage("match"):
-        found = stages.correspondence_of(*shapes, normalize, job.progress, partial=as_part, landmarks=landmarks)
+        found = stages.correspondence_of(
+            *shapes,
+            normalize,
+            job.progress,
+            repair_x=mend,
+            repair_y=mend,
+            partial=as_part,
+            landmarks=landmarks,
+        )
+    for index, name in enumerate(("X: ", "Y: ")):
+        job.repaired(index, [line.removeprefix(name) for line in found.repairs if line.startswith(name)])
     arrays = {
         "p2p": found.p2p,
         "score": np.float64(found.score),

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from qgeo_filters.cli.options import Force, Json, MeshFile, Output, Pictures, Quiet, Repair, Settings, repair_option
+import typer
+
+from qgeo_filters.cli.options import Force, Json, MeshFile, Output, Pictures, Quiet, Settings, repair_option
 
 if TYPE_CHECKING:
     from qgeo_filters.surface import Surface
@@ -14,7 +16,9 @@ if TYPE_CHECKING:
 def info(
     mesh: MeshFile,
     output: Output = None,
-    repair: Repair = False,
+    repair: Annotated[
+        bool, typer.Option("--repair", help="Make the mesh manifold and one piece first; the report says what changed.")
+    ] = False,
     force: Force = False,
     pictures: Pictures = True,
     json: Json = False,
@@ -63,7 +67,7 @@ def details(surface: Surface) -> dict[str, Any]:
 
 
 def advice(surface: Surface) -> list[str]:
-    """What --repair would mend in a surface that commands take as it is; nothing for most."""
+    """What --repair mends in a surface, as commands do by themselves where they must; nothing for most."""
     sides = {"inward": "the faces are wound inwards", "mixed": "some faces are wound outwards and some inwards"}
     found = [f"{sides[surface.winding]}: --repair turns them"] if surface.winding in sides else []
     if len(surface.unwelded_vertices):

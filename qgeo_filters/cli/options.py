@@ -27,7 +27,13 @@ Output = Annotated[
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but errors.")]
 Json = Annotated[bool, typer.Option("--json", help="Print result.json instead of the table.")]
 Repair = Annotated[
-    bool, typer.Option("--repair", help="Make the mesh manifold and one piece first; the report says what changed.")
+    bool | None,
+    typer.Option(
+        "--repair/--no-repair",
+        help="Make the mesh manifold and one piece first, or refuse what is not; if left out, repair what is wrong. "
+        "The report says what changed; results are on the vertices of the file.",
+        show_default=False,
+    ),
 ]
 Force = Annotated[
     bool, typer.Option("--force-repair", help="Repair even where more than a hundredth of the area is removed by it.")
@@ -71,9 +77,9 @@ Workers = Annotated[
 ]
 
 
-def repair_option(repair: bool, force: bool) -> RepairOption:
-    """What ``--repair`` and ``--force-repair`` ask for together."""
-    return "force" if force else repair
+def repair_option(repair: bool | None, force: bool) -> RepairOption:
+    """What ``--repair`` and ``--force-repair`` ask for together, or leave to the command."""
+    return "force" if force else "auto" if repair is None else repair
 
 
 @dataclass(frozen=True)
@@ -83,7 +89,7 @@ class Settings:
     output: Path | None = None
     quiet: bool = False
     json: bool = False
-    repair: RepairOption = False
+    repair: RepairOption = "auto"
     pictures: bool = True
 
     def folder(self, command: str) -> Path:

@@ -22,7 +22,7 @@ def run(
     meshes: Annotated[list[Path], typer.Argument(metavar="MESH...", help="One mesh or more.", show_default=False)],
     workers: Workers = None,
     output: Output = None,
-    repair: Repair = False,
+    repair: Repair = None,
     force: Force = False,
     pictures: Pictures = True,
     json: Json = False,
@@ -59,10 +59,12 @@ def run(
         )
         for folder, mesh in zip(_folders(settings.folder("run"), meshes), meshes, strict=True)
     ]
-    surfaces = [job.read()[0] for job in jobs]
+    surfaces = [job.read_given()[0] for job in jobs]
     for job, surface in zip(jobs, surfaces, strict=True):
         with job.stage("pipeline"):
-            described = steps(surface, progress=job.progress)
+            described = steps(surface, repair=mend, progress=job.progress)
+            if steps.repair_ is not None:
+                job.repaired(0, steps.repair_.report)
         added = {name: np.asarray(values) for name, values in described.attributes.items() if name in steps.outputs}
         job.save({name: _summary(values) for name, values in added.items()}, added, described)
         for name, values in added.items():

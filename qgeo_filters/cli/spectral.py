@@ -49,7 +49,7 @@ def spectrum(
     accuracy: Accuracy = 1e-3,
     workers: Workers = None,
     output: Output = None,
-    repair: Repair = False,
+    repair: Repair = None,
     force: Force = False,
     pictures: Pictures = True,
     json: Json = False,
@@ -85,7 +85,11 @@ def spectrum(
     with job.stage("spectrum"):
         described = descriptor.apply(surface, progress=job.progress)
     found = descriptor.spectrum_
-    arrays = {"eigenvalues": found.eigenvalues, "eigenfunctions": found.eigenfunctions, "areas": found.areas}
+    arrays = {
+        "eigenvalues": found.eigenvalues,
+        "eigenfunctions": job.on_given(found.eigenfunctions),
+        "areas": job.on_given(found.areas),
+    }
     job.save(spectrum_results(found), arrays, described)
     job.picture(
         "eigenfunctions",

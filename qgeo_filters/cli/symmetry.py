@@ -63,7 +63,7 @@ def symmetry(
     accuracy: Accuracy = 1e-3,
     workers: Workers = None,
     output: Output = None,
-    repair: Repair = False,
+    repair: Repair = None,
     force: Force = False,
     pictures: Pictures = True,
     json: Json = False,
@@ -101,7 +101,7 @@ def symmetry(
     found = None
     with job.about():
         if explicit:
-            check_matchable(surface)
+            check_matchable(surface, repaired=job.repairs[0] is not None)
         stages.check_spectrum(surface, k0)
     # The matrix is held here: the stages after it find it, whatever the bound of the cache.
     with job.stage("distances"):
@@ -118,12 +118,12 @@ def symmetry(
         results = {**symmetry_results(found, spectrum, k0, reading), **results}
         arrays |= symmetry_arrays(found)
     described = surface.with_attributes(symmetry_attributes(arrays, found))
-    arrays |= {
-        "eigenvalues": spectrum.eigenvalues,
-        "eigenfunctions": spectrum.eigenfunctions,
-        "areas": spectrum.areas,
+    per_vertex = {**arrays, "eigenfunctions": spectrum.eigenfunctions, "areas": spectrum.areas}
+    saved = {
+        name: job.on_given(values, vertices=name in ("symmetry", "nearest")) if name != "found" else values
+        for name, values in per_vertex.items()
     }
-    job.save(results, arrays, described)
+    job.save(results, {**saved, "eigenvalues": spectrum.eigenvalues}, described, vertices=("qgeo_symmetry",))
     draw_symmetry(job, surface, arrays, found)
     job.finish()
 

@@ -18,7 +18,9 @@ from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.arrays import is_pair, is_path, raw_mesh
 from qgeo_filters.hosts.protocol import host_of
 from qgeo_filters.hosts.repair import Repair, needs_repair, repaired_within
-from qgeo_filters.repair.triangle_soup import most_lost
+from qgeo_filters.io.formats import path_in_errors
+from qgeo_filters.repair.sound import sound_mesh
+from qgeo_filters.repair.triangle_soup import Pieces, most_lost
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_attributes, checked_repair
 
@@ -68,7 +70,9 @@ def as_surface(obj: SurfaceLike, *, repair: RepairOption = False) -> Surface:
     return Surface.from_raw(raw_mesh(obj))
 
 
-def surface_and_repair(obj: SurfaceLike, repair: RepairOption) -> tuple[Surface, Repair | None]:
+def surface_and_repair(
+    obj: SurfaceLike, repair: RepairOption, pieces: Pieces = "largest"
+) -> tuple[Surface, Repair | None]:
     """Surface of a mesh object on its own vertices, and its repair, None where nothing was changed.
 
     Parameters
@@ -78,6 +82,8 @@ def surface_and_repair(obj: SurfaceLike, repair: RepairOption) -> tuple[Surface,
         With "auto" a mesh is repaired that no `Surface` can hold, that is not manifold, not in one piece, not welded,
         that has edges of length zero, or neighbouring faces that disagree on which side is out. Pieces
         of up to a tenth of the area together are taken for crumbs and removed; what has more is refused.
+    pieces : {"largest", "all"}
+        Whether one piece is needed, or any number of them will do.
 
     Raises
     ------
@@ -92,11 +98,26 @@ def surface_and_repair(obj: SurfaceLike, repair: RepairOption) -> tuple[Surface,
         except MeshError:
             pass  # whoever repairs it says what cannot be repaired
         else:
-            if not needs_repair(surface):
+            if not needs_repair(surface, pieces):
                 return surface, None
             obj = surface
-    found = repaired_within(obj, most_lost(repair))
+    found = repaired_within(obj, most_lost(repair), pieces)
     return found.given, found if found.changed else None
+
+
+def as_given(obj: SurfaceLike, repair: RepairOption) -> tuple[Surface, tuple[str, ...]]:
+    """Surface of a mesh object on its own vertices, before any repair, and what was left out to hold it.
+
+    Without ``repair`` nothing is left out, and a mesh that no `Surface` can hold is refused.
+    """
+    try:
+        return as_surface(obj), ()
+    except MeshError:
+        if not checked_repair(repair):
+            raise
+    with path_in_errors(obj if is_path(obj) else None):
+        sound = sound_mesh(raw_mesh(obj, repair=True))
+        return Surface.from_raw(sound.raw), sound.notes
 
 
 def write_back(host: Any, surface: Surface | None, attributes: Mapping[str, npt.ArrayLike]) -> Any:

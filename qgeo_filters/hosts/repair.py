@@ -133,11 +133,11 @@ def repaired_within(obj: Any, most: float, pieces: Pieces = "largest") -> Repair
     )
 
 
-def needs_repair(surface: Surface) -> bool:
+def needs_repair(surface: Surface, pieces: Pieces = "largest") -> bool:
     """Whether something is wrong that `repair_surface` may mend; a closed surface that is inside out is not."""
     return (
         not surface.is_manifold
-        or surface.components[0] > 1
+        or (pieces == "largest" and surface.components[0] > 1)
         or not surface.is_oriented
         or bool((surface.edge_lengths == 0).any())
         or surface.unwelded_vertices.size > 0

@@ -106,7 +106,7 @@ class PreparedShape:
         """The surface that was given: indices of results are those of its vertices and faces; and what was repaired."""
         self.full = self.given if self.repair is None else self.repair.surface
         """The same, repaired where it had to be: what is matched."""
-        check_matchable(self.full, chosen)
+        check_matchable(self.full, chosen, repaired=self.repair is not None)
         self.winding = self.full.winding
         """Which side of that surface is out; what looks inwards is turned over, vertices as they are."""
         self.surface = self.full.turned_over() if self.winding == "inward" else self.full
@@ -276,10 +276,16 @@ _INTRINSIC = (
 )  # fmt: skip
 
 
-def check_matchable(surface: Surface, parameters: MatchingParameters | None = None) -> None:
+def check_matchable(surface: Surface, parameters: MatchingParameters | None = None, *, repaired: bool = False) -> None:
     """Raise `MeshError`, saying why, for a surface that cannot be matched."""
     surface.require_manifold("matching")
     surface.require_connected("matching")
+    if not surface.is_oriented and repaired:
+        raise MeshError(
+            "matching tells a shape from its mirror image by the side of the surface that is out, but it is one-sided "
+            f"(as a Moebius band, or a scan with wrong bridges; Euler characteristic {surface.euler_characteristic}), "
+            "which no turning of faces mends: wrap or remesh it first"
+        )
     if not surface.is_oriented:
         raise MeshError(
             "matching tells a shape from its mirror image by the orientation of its faces, but neighbouring faces "

@@ -25,8 +25,8 @@ BAD = [
     (["info"], "Missing argument 'MESH'"),
     (["info", "sphere.ply", "--bogus"], "No such option: --bogus"),
     (["bogus"], "No such command 'bogus'"),
-    (["distances", "fan.off"], "edge (0, 1) has 3 faces"),
-    (["distances", "fan.off"], "--repair splits or removes them"),
+    (["distances", "fan.off", "--no-repair"], "edge (0, 1) has 3 faces"),
+    (["distances", "fan.off", "--no-repair"], "--repair splits or removes them"),
     (["distances", "sphere.ply", "-s", "162"], "vertex 162, but there are 162 vertices"),
     (["distances", "sphere.ply", "-s", "-1"], "-1"),
     (["distances", "sphere.ply", "-s", "0,x"], "got '0,x'"),
@@ -37,7 +37,7 @@ BAD = [
     (["distances", "sphere.ply", "--matrix", "blob.off"], "blob.off is there and is not a Zarr array"),
     (["distances", "sphere.ply", "--matrix", "."], "is there and is not a Zarr array"),
     (["distances", "sphere.ply", "--matrix", "nowhere/d.zarr"], "nowhere is not a folder"),
-    (["distances", "fan.off", "--matrix", "d.zarr"], "--repair splits or removes them"),
+    (["distances", "fan.off", "--matrix", "d.zarr", "--no-repair"], "--repair splits or removes them"),
     (["distances", "sphere.ply", "--scalar", "nonsense", "-w", "1"], "unknown scalar 'nonsense'"),
     (["spectrum", "sphere.ply", "-k", "0"], "k must be between 1 and the number of vertices, 162, got 0"),
     (["spectrum", "sphere.ply", "-k", "163"], "got 163"),
@@ -195,7 +195,7 @@ def test_process_needs_no_display(meshes: Path) -> None:
 
 
 def test_process_fails_in_one_line(meshes: Path) -> None:
-    done = process("distances", "fan.off", cwd=meshes)
+    done = process("distances", "fan.off", "--no-repair", cwd=meshes)
     assert done.returncode == 2
     assert done.stdout == ""
     assert done.stderr.count("\n") == 1

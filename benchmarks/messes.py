@@ -1,0 +1,105 @@
+"""`qg.match` on meshes with something wrong, as a Markdown table: what a user gets who repairs nothing.
+
+    python benchmarks/messes.py ROOT [--pair horse0-horse5] [--scape FOLDER] [--skulls FOLDER ...]
+
+ROOT as for ``matching.py``. X is spoilt (see `mesh_messes`) and matched with Y as it is. Errors are those at the
+vertices of X that the tidy mesh has too, in units of sqrt(area) of Y; "without partner" is the share of these that
+got none. FOLDER holds meshes (.off) and ``corres/NAME.vts``, vertices from 1 that belong together row by row, 0 where
+none is known. Seconds are CPU seconds.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+from pathlib import Path
+
+import numpy as np
+from geodesics_common import cpu, machine
+from mesh_messes import MESSES
+
+import qgeo_filters as qg
+from qgeo_filters.evaluation import ToscaRemeshed
+
+
+def verdict(found: qg.MatchResult) -> str:
+    """Whether the match is sure of itself."""
+    return "sure" if found.confident else "unsure"
+
+
+def spoilt_rows(root: str, pair: str, names: list[str]) -> None:
+    """A row for each kind of mess."""
+    data = ToscaRemeshed(root)
+    one, other = pair.split("-")
+    tidy, y = data.read(one), qg.PreparedShape(data.read(other))
+    truth = data.truth(one, other).images
+    print(f"\n| X = {one}, Y = {other} | mean error | without partner | verdict | seconds: repair, match | repaired |")
+    print("|---|---|---|---|---|---|")
+    for name in names:
+        messy = MESSES[name](np.array(tidy.vertices), np.array(tidy.faces), np.random.default_rng(0))
+        mesh = messy.vertices, messy.faces
+        try:
+            shape, repairing = cpu(lambda mesh=mesh: qg.PreparedShape(mesh))
+            found, matching = cpu(lambda shape=shape: qg.match(shape, y))
+        except qg.QgeoError as error:
+            print(f"| {name} | refused: {error} | | | | |", flush=True)
+            continue
+        known = messy.origin >= 0
+        errors = found.error(np.where(known, truth[messy.origin], -1))[known]
+        print(
+            f"| {name} | {np.nanmean(errors):.4f} | {100 * np.isnan(errors).mean():.1f} % | {verdict(found)} "
+            f"| {repairing:.2f}, {matching:.1f} | {'; '.join(shape.repair.report) if shape.repair else '-'} |",
+            flush=True,
+        )
+
+
+def real_rows(folder: Path, count: int) -> None:
+    """A row for each of the first pairs of a folder."""
+    names = sorted(path.stem for path in folder.glob("*.off"))
+    prepared: dict[str, qg.PreparedShape | str] = {}
+    print(
+        f"\n| {folder.name} | mean error | verdict | seconds: repairs, match | repaired of X |\n|---|---|---|---|---|"
+    )
+    for one, other in list(itertools.combinations(names, 2))[:count]:
+        repairing = 0.0
+        for name in (one, other):
+            if name not in prepared:
+                try:
+                    prepared[name], seconds = cpu(lambda name=name: qg.PreparedShape(folder / f"{name}.off"))
+                    repairing += seconds
+                except qg.MeshError as error:
+                    prepared[name] = str(error)
+        x, y = prepared[one], prepared[other]
+        if isinstance(x, str) or isinstance(y, str):
+            print(f"| {one}-{other} | refused: {x if isinstance(x, str) else y} | | | |", flush=True)
+            continue
+        found, matching = cpu(lambda x=x, y=y: qg.match(x, y))
+        here, there = (np.loadtxt(folder / "corres" / f"{name}.vts", dtype=np.int64) - 1 for name in (one, other))
+        known = (here >= 0) & (there >= 0)
+        truth = np.full(x.given.n_vertices, -1)
+        truth[here[known]] = there[known]
+        said = "; ".join(x.repair.report) if x.repair else "-"
+        error = np.nanmean(found.error(truth))
+        print(
+            f"| {one}-{other} | {error:.4f} | {verdict(found)} | {repairing:.2f}, {matching:.1f} | {said} |", flush=True
+        )
+
+
+def main() -> None:
+    """Print the tables, each row as it is done."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("root")
+    parser.add_argument("--pair", default="horse0-horse5")
+    parser.add_argument("--messes", nargs="+", choices=MESSES, default=list(MESSES), metavar="MESS")
+    parser.add_argument("--scape", type=Path, help="folder of SCAPE_a")
+    parser.add_argument("--skulls", type=Path, nargs="+", default=[], help="folders of mouse skulls, raw and wrapped")
+    parser.add_argument("--count", type=int, default=2, help="pairs of each folder")
+    arguments = parser.parse_args()
+    print(machine())
+    spoilt_rows(arguments.root, arguments.pair, arguments.messes)
+    for folder in [*([arguments.scape] if arguments.scape else []), *arguments.skulls]:
+        real_rows(folder, arguments.count)
+
+
+if __name__ == "__main__":
+    main()
