@@ -18,7 +18,13 @@ from qgeo_filters.errors import QgeoError, TooLargeError, of_file, one_line, rea
 BAD_INPUT = 2
 INTERRUPTED = 130
 # What the library's advice calls its arguments, and the command line its options.
-_OPTIONS = {"repair=True": "--repair", "repair='force'": "--force-repair", "normalize=True": "--normalize"}
+_OPTIONS = {
+    "repair=True": "--repair",
+    "repair='force'": "--force-repair",
+    "normalize=True": "--normalize",
+    "say which by specimen=": "say which by --specimen",
+    "give the landmarks in the other of the frames RAS and LPS": "say the frame of the meshes by --frame RAS or LPS",
+}
 
 # What to do about errors of the disk, and about a lack of memory where the command has an option against it.
 _NO_ROOM = "make room, or write elsewhere"

@@ -54,7 +54,7 @@ class Job:
     inputs : iterable of Path
         What else is read.
     pictures, texts : iterable of str
-        Names of the pictures and the text files that may be made, the pictures' without suffix.
+        Names of the pictures and of the other files that may be made, the pictures' without suffix.
     """
 
     def __init__(
@@ -256,9 +256,15 @@ class Job:
                 temporary.write_bytes(picture.png)
         self._pictures.append(picture)
 
+    @contextmanager
+    def file(self, name: str) -> Iterator[Path]:
+        """Context that gives a path to write to, for a file beside the results."""
+        with self._outputs.writing(name) as temporary:
+            yield temporary
+
     def text(self, name: str, content: str) -> None:
         """Write a text file beside the results."""
-        with self._outputs.writing(name) as temporary:
+        with self.file(name) as temporary:
             temporary.write_bytes(content.encode("utf-8", errors="backslashreplace"))
 
     def finish(self, tables: Sequence[Table] = ()) -> None:

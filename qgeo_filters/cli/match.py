@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial as applied
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -33,7 +33,7 @@ def match(
         typer.Option(
             "--truth",
             metavar="FILE",
-            help="True vertex of Y (from 0) for each of X, as .npz, .npy or text: adds errors.",
+            help="True vertex of Y (from 0; -1: not known) for each of X, as .npz, .npy or text: adds errors.",
         ),
     ] = None,
     hints: Annotated[
@@ -44,6 +44,27 @@ def match(
             help="Landmarks that steer the search: a vertex of X and one of Y a line, from 0, roughly right.",
         ),
     ] = None,
+    landmarks_file: Annotated[
+        Path | None,
+        typer.Option(
+            "--landmarks",
+            metavar="FILE",
+            help="Landmarks on X, carried to Y: .fcsv, .mrk.json, .tps, .pts, .landmarkAscii, .pp or a table "
+            "(name, x, y, z or vertex).",
+        ),
+    ] = None,
+    specimen: Annotated[
+        str | None,
+        typer.Option("--specimen", metavar="NAME", help="Which specimen of a .tps file that holds several."),
+    ] = None,
+    frame: Annotated[
+        Literal["RAS", "LPS"] | None,
+        typer.Option("--frame", help="Frame of the meshes: landmarks that say they are in the other one are turned."),
+    ] = None,
+    csv: Annotated[bool, typer.Option("--csv", help="Write the map as map.csv, a row for each vertex of X.")] = False,
+    glb: Annotated[
+        bool, typer.Option("--glb/--no-glb", help="Write both shapes in colours that belong together, as match.glb.")
+    ] = True,
     normalize: Annotated[
         bool, typer.Option("--normalize/--no-normalize", help="Compare shapes regardless of their size.")
     ] = True,
@@ -68,41 +89,51 @@ def match(
     result.npz: p2p (n_X,), score, runner_up, inverse (n_Y,), functional_map (20, 20), distortion (n_X,),
     regions_x (n_X,), regions_y (n_Y,), corners (n_X, 3) and barycentric (n_X, 3), the vertices of a triangle of Y and
     the place within it, finer than p2p, and errors (n_X,) with --truth. match_log.md: every map that was proposed,
-    what it cost, and which rule dropped it. With --hints also landmarks (k, 2) and landmark_errors (k,), how far the
-    map comes from each, in sqrt(area).
+    what it cost, and which rule dropped it. match.glb: both shapes side by side, for any 3D viewer. With --landmarks
+    also landmarks_Y, in the format of FILE, and landmarks.csv; with --csv map.csv. With --hints also landmarks (k, 2)
+    and landmark_errors (k,), how far the map comes from each, in sqrt(area).
     """
     import numpy as np
 
+    from qgeo_filters.cli import match_outputs as outputs
     from qgeo_filters.cli.hints_file import read_pairs
     from qgeo_filters.cli.job import Job
     from qgeo_filters.filters import stages
     from qgeo_filters.matching.hints import Hints
+    from qgeo_filters.matching.map_files import arrays_of
     from qgeo_filters.matching.partial.partial_match import matched_as_part
     from qgeo_filters.matching.prepared_shape import check_same_size
 
     mend = repair_option(repair, force)
     as_part: PartialOption = "auto" if partial is None else partial
-    parameters = {
+    parameters: dict[str, Any] = {
         "normalize": normalize,
-        "truth": None if truth is None else str(truth),
-        "hints": None if hints is None else str(hints),
+        "truth": truth and str(truth),
+        "hints": hints and str(hints),
+        "landmarks": landmarks_file and str(landmarks_file),
+        "specimen": specimen,
+        "frame": frame,
         "repair": mend,
         "partial": as_part,
     }
+    written = [outputs.SCENE] * glb + [outputs.MAP_TABLE] * csv
+    if landmarks_file is not None:
+        written += [outputs.landmarks_name(landmarks_file), outputs.PAIRS]
     job = Job(
         "match",
         Settings(output, quiet, json, mend, pictures),
         parameters,
         [x, y],
         names=("X", "Y"),
-        inputs=[file for file in (truth, hints) if file is not None],
+        inputs=[file for file in (truth, hints, landmarks_file) if file is not None],
         pictures=(*_PICTURES, *(() if truth is None else _PICTURES_OF_ERRORS)),
-        texts=("match_log.md",),
+        texts=("match_log.md", *written),
     )
     shape_x, shape_y = job.read_given()
     shapes = shape_x, shape_y
     target = None if truth is None else read_truth(truth, shapes[0].n_vertices, shapes[1].n_vertices)
     landmarks = None if hints is None else Hints.of(*shapes, read_pairs(hints)).landmarks
+    marks = landmarks_file and outputs.landmarks_of_x(landmarks_file, shape_x, specimen, frame)
     whole = not matched_as_part(*shapes, as_part, normalize)
     if not normalize and whole:
         check_same_size(*shapes)
@@ -122,18 +153,8 @@ def match(
         )
     for index, name in enumerate(("X: ", "Y: ")):
         job.repaired(index, [line.removeprefix(name) for line in found.repairs if line.startswith(name)])
-    arrays = {
-        "p2p": found.p2p,
-        "score": np.float64(found.score),
-        "runner_up": np.float64(found.runner_up),
-        "inverse": found.inverse,
-        "functional_map": found.functional_map,
-        "distortion": found.distortion,
-        "regions_x": found.regions_x,
-        "regions_y": found.regions_y,
-        "corners": found.barycentric.corners,
-        "barycentric": found.barycentric.coordinates,
-    }
+    arrays = arrays_of(found)
+    arrays |= {"corners": found.barycentric.corners, "barycentric": found.barycentric.coordinates}
     attributes: dict[str, np.ndarray] = {
         "qgeo_correspondence": found.p2p.astype(np.int32),
         "qgeo_region": found.regions_x,
@@ -155,13 +176,18 @@ def match(
         shapes[1].with_attributes({"qgeo_region": found.regions_y}),
     )
     job.text("match_log.md", f"{found.log}\n")
+    tables = [outputs.save_landmarks(job, landmarks_file, marks, found)] if landmarks_file and marks else []
+    if csv:
+        outputs.save_map_table(job, found)
+    if glb:
+        outputs.save_scene(job, found, normalize)
     draw_match(job, *shapes, found, errors)
     draw_log(job, found.log)
-    job.finish()
+    job.finish([*tables, outputs.files_table(landmarks_file, csv, glb)])
 
 
 def read_truth(path: Path, n_x: int, n_y: int) -> np.ndarray:
-    """True vertex of Y for each vertex of X, (n_x,), from a file.
+    """True vertex of Y for each vertex of X, (n_x,), from a file; -1 where it is not known.
 
     Raises
     ------
@@ -186,7 +212,7 @@ def read_truth(path: Path, n_x: int, n_y: int) -> np.ndarray:
         whole = whole_numbers(values, "truth")
     except MeshError as error:
         raise ParameterError(f"{path}: not a list of vertices ({reason(error)})") from error
-    return checked_indices(whole, n_y, str(path))
+    return checked_indices(whole, n_y, str(path), missing=True)
 
 
 def match_results(found: MatchResult) -> dict[str, Any]:
@@ -204,21 +230,26 @@ def match_results(found: MatchResult) -> dict[str, Any]:
         "hks_agreement": found.hks_agreement,
         "c_xy": found.c_xy,
         "vertices_of_y_reached": len(np.unique(found.p2p[found.p2p >= 0])),
+        "vertices_of_x_without_partner": int(np.sum(found.p2p < 0)),
         "overlap_x": found.overlap_x,
         "overlap_y": found.overlap_y,
     }
 
 
 def error_results(errors: np.ndarray) -> dict[str, Any]:
-    """Numbers of the errors against the truth, in units of sqrt(area), for result.json."""
+    """Numbers of the errors against the truth, in units of sqrt(area), for result.json; NaN is not counted."""
     import numpy as np
 
     from qgeo_filters.evaluation.errors import THRESHOLDS, ErrorSummary
 
-    summary = ErrorSummary.of(errors[np.isfinite(errors)])  # of what has a partner
+    known = errors[np.isfinite(errors)]
+    if not known.size:
+        raise ParameterError("--truth knows no vertex that the map has a partner for")
+    summary = ErrorSummary.of(known)
     shares = {
         f"percent_within_{threshold:g}": 100 * share for threshold, share in zip(THRESHOLDS, summary.below, strict=True)
     }
+    shares["vertices_with_an_error"] = known.size
     return {"mean_error": summary.mean, "median_error": summary.median, "max_error": summary.maximum, **shares}
 
 

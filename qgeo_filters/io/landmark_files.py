@@ -123,6 +123,17 @@ def write_landmarks(path: str | os.PathLike[str], landmarks: Landmarks) -> None:
         Where the file cannot be written.
     """
     file = Path(path)
+    content = landmarks_content(file, landmarks)
+    names = tuple(str(i + 1) for i in range(len(landmarks)))
+    if file.suffix.lower() in _NAMELESS and landmarks.names != names:
+        warnings.warn(f"{file}: {file.suffix} holds no names, dropped: {', '.join(landmarks.names[:5])}", stacklevel=2)
+    with atomic_write(file) as out:
+        out.write(content)
+
+
+def landmarks_content(name: str | os.PathLike[str], landmarks: Landmarks) -> bytes:
+    """Content of a file of landmarks of this name, see `write_landmarks`."""
+    file = Path(name)
     _, writer = _format(file, "written")
     suffix = file.suffix.lower()
     bare = np.flatnonzero(np.isnan(landmarks.points[:, 0]) & (landmarks.vertices >= 0))
@@ -131,11 +142,7 @@ def write_landmarks(path: str | os.PathLike[str], landmarks: Landmarks) -> None:
             f"{file}: {suffix} holds positions, but of landmark {bare[0]} ({landmarks.names[bare[0]]!r}) only the "
             f"vertex is known ({bare.size} such): write .csv, or give points=surface.vertices[landmarks.vertices]"
         )
-    if suffix in _NAMELESS and landmarks.names != tuple(str(i + 1) for i in range(len(landmarks))):
-        warnings.warn(f"{file}: {file.suffix} holds no names, dropped: {', '.join(landmarks.names[:5])}", stacklevel=2)
-    content = writer(file, landmarks)
-    with atomic_write(file) as out:
-        out.write(content)
+    return writer(file, landmarks)
 
 
 def _format(file: Path, what: str) -> tuple[Reader, Writer]:

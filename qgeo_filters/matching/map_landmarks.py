@@ -30,7 +30,7 @@ def as_landmarks(given: Landmarks | npt.ArrayLike) -> Landmarks:
     )
 
 
-def located(landmarks: Landmarks, surface: Surface, name: str, tolerance: float) -> BarycentricMap:
+def located(landmarks: Landmarks, surface: Surface, name: str, tolerance: float = 0.05) -> BarycentricMap:
     """Point of the surface for each landmark: that closest in space, or its vertex where it has no position.
 
     Raises

@@ -24,17 +24,19 @@ def plot_histogram(values: npt.ArrayLike, weights: npt.ArrayLike, label: str) ->
     Parameters
     ----------
     values, weights : array-like, shape (n,)
-        Value and area of each vertex.
+        Value and area of each vertex; values that are not finite are left out.
     label : str
         Name and unit of the value.
     """
     values, weights = np.asarray(values, dtype=np.float64), np.asarray(weights, dtype=np.float64)
-    share = 100.0 * weights / weights.sum()
-    mean = float(share @ values / 100.0)
+    known = np.isfinite(values)
+    found, areas = np.asarray(values)[known], np.asarray(weights)[known]
+    share = 100.0 * areas / (areas.sum() or 1.0)
+    mean = float(share @ found / 100.0)
     figure = new_figure(4.6, 2.8)
     with matplotlib.rc_context(STYLE):
         axes = figure.add_subplot()
-        axes.hist(values, bins=40, range=(0.0, float(values.max()) or 1.0), weights=share, color=_BLUE)
+        axes.hist(found, bins=40, range=(0.0, float(found.max(initial=0.0)) or 1.0), weights=share, color=_BLUE)
         axes.axvline(mean, color=_RED, linewidth=1.2, label=f"mean {mean:.3g}")
         axes.set(xlabel=label, ylabel="share of the area (%)")
         axes.legend(frameon=False)

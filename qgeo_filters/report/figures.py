@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.report.charts import plot_distance_matrix, plot_path_curvature, plot_spectrum
-from qgeo_filters.report.colors import distinct, diverging, position_colors, sequential
+from qgeo_filters.report.colors import MISSING, distinct, diverging, position_colors, sequential
 from qgeo_filters.report.glyphs import ball, tube
 from qgeo_filters.report.maps import view_alike
 from qgeo_filters.report.panels import Panel, panel_figure
@@ -276,7 +276,7 @@ def plot_correspondence(
     ----------
     x, y : Surface, or whatever `as_surface` takes
     p2p : array-like of int, shape (n_x,)
-        Vertex of Y for each vertex of X.
+        Vertex of Y for each vertex of X; -1: no partner, and grey.
     names : (str, str)
     views : (View, View), optional
         By default the same side of both.
@@ -290,7 +290,8 @@ def plot_correspondence(
         views = view, view_alike(x, view, y, target)
     view_x, view_y = views
     colors = position_colors(y.vertices, view_y.axes)
-    panels = [Panel(x, view_x, names[0], {"colors": colors[target]}), Panel(y, view_y, names[1], {"colors": colors})]
+    carried = np.where(target[:, None] < 0, MISSING, colors[target])
+    panels = [Panel(x, view_x, names[0], {"colors": carried}), Panel(y, view_y, names[1], {"colors": colors})]
     return panel_figure(panels)
 
 

@@ -29,11 +29,12 @@ def view_alike(x: SurfaceLike, view_x: View, y: SurfaceLike, p2p: npt.ArrayLike)
     view_x : View
     y : Surface, or whatever `as_surface` takes
     p2p : array-like of int, shape (n_x,)
-        Vertex of Y for each vertex of X.
+        Vertex of Y for each vertex of X; -1: no partner, and no part in it.
     """
     x, y = as_surface(x), as_surface(y)
-    seen = np.sign(x.vertex_normals @ view_x.axes[2]) * x.vertex_areas
-    normals = y.vertex_normals[np.asarray(p2p)]
+    images = np.asarray(p2p)
+    seen = np.sign(x.vertex_normals @ view_x.axes[2]) * x.vertex_areas * (images >= 0)
+    normals = y.vertex_normals[images]
     views = [best_view(y.vertices, y.faces).turned(degrees) for degrees in _TURNS]
     return max(views, key=lambda view: float(seen @ np.sign(normals @ view.axes[2])))
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 from shapes import creature
 from typer.testing import Result
 
@@ -69,6 +71,97 @@ def test_match(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> None:
     rows = Path("qgeo-out/match/match_log.md").read_text().splitlines()
     assert rows[2].endswith("| chosen |")
     assert len(rows) > 4
+
+
+MARKS = {"nose": 3, "left, ear": 40, "tip": 101}
+
+
+def placed(points: np.ndarray) -> np.ndarray:
+    """Points of blob.off as they are on other/blob.off."""
+    return 3.0 * points @ np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]]) + 5.0
+
+
+def test_landmarks_tables_and_scenes(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> None:
+    """From a file of Slicer's to one of its kind, on the other shape; the map as a table; both shapes as a scene."""
+    x, y = qg.Surface.read("blob.off"), qg.Surface.read("other/blob.off")
+    vertices = np.array([*MARKS.values()])
+    points = x.vertices[vertices].copy()
+    points[2] = x.vertices[x.faces[7]].mean(axis=0)
+    qg.write_landmarks("marks.fcsv", qg.Landmarks(list(MARKS), points, frame="RAS"))
+    result = qgeo("match", "blob.off", "other/blob.off", "--landmarks", "marks.fcsv", "--csv", "--no-pictures")
+    assert result.exit_code == 0, result.stderr
+    content, arrays = loaded(Path("qgeo-out/match"))
+    assert {"landmarks_Y.fcsv", "landmarks.csv", "map.csv", "match.glb"} <= set(content["files"])
+    assert content["parameters"]["landmarks"] == "marks.fcsv"
+    found = qg.read_landmarks("qgeo-out/match/landmarks_Y.fcsv")
+    assert (found.names, found.frame) == (tuple(MARKS), "RAS")
+    np.testing.assert_allclose(found.points, placed(points), atol=1e-3)
+    with Path("qgeo-out/match/landmarks.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["name"] for row in rows] == list(MARKS)
+    assert [int(row["x_vertex"]) for row in rows[:2]] == vertices[:2].tolist()
+    assert [int(row["y_vertex"]) for row in rows[:2]] == truth[vertices[:2]].tolist()
+    assert [float(row["y_z"]) for row in rows] == found.points[:, 2].tolist()
+    with Path("qgeo-out/match/map.csv").open(newline="") as file:
+        assert [int(row["y_vertex"]) for row in csv.DictReader(file)] == truth.tolist()
+    page = Path("qgeo-out/match/report.html").read_text()
+    for said in ("left, ear", "match.glb", "landmarks_Y.fcsv"):
+        assert said in page
+    # The whole result comes back, and the scene shows both shapes where they do not touch, in equal colours.
+    again = qg.MatchResult.from_npz("qgeo-out/match/result.npz")
+    np.testing.assert_array_equal(again.p2p, arrays["p2p"])
+    np.testing.assert_array_equal(again.landmarks(again.x.vertices[vertices]).vertices, truth[vertices])
+    scene = trimesh.load("qgeo-out/match/match.glb", process=False)
+    meshes = {name: scene.geometry[f"{name} mesh"] for name in "XY"}
+    np.testing.assert_allclose(meshes["X"].vertices, x.vertices, atol=1e-6)
+    np.testing.assert_allclose(meshes["Y"].vertices, y.vertices, atol=1e-5)
+    colors = {name: mesh.visual.vertex_attributes["color"] for name, mesh in meshes.items()}
+    assert np.abs(colors["X"].astype(int) - colors["Y"][truth]).max() <= 2
+    assert len(np.unique(colors["Y"], axis=0)) > 100
+    bounds = {name: scene.geometry[f"{name} mesh"].copy().apply_transform(scene.graph[name][0]).bounds for name in "XY"}
+    assert bounds["X"][1, 0] < bounds["Y"][0, 0]
+    np.testing.assert_allclose(np.ptp(bounds["X"], axis=0), np.ptp(bounds["Y"], axis=0), rtol=0.3)  # seen alike
+
+
+def test_landmarks_of_vertices_in_a_table(qgeo: Qgeo, truth: np.ndarray) -> None:
+    Path("marks.csv").write_text("".join(f'"{name}",{vertex}\n' for name, vertex in MARKS.items()))
+    command = (
+        "match",
+        "blob.off",
+        "other/blob.off",
+        "--landmarks",
+        "marks.csv",
+        "--no-pictures",
+        "--no-glb",
+        "--quiet",
+    )
+    assert qgeo(*command).exit_code == 0
+    found = qg.read_landmarks("qgeo-out/match/landmarks_Y.csv")
+    assert found.names == tuple(MARKS)
+    assert found.vertices.tolist() == truth[list(MARKS.values())].tolist()
+    assert not Path("qgeo-out/match/match.glb").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "options", "expected"),
+    [
+        ("a.csv", "9 9 9\n", (), "a.csv: landmark 0 ('1') is"),
+        ("a.csv", "tip,999\n", (), "landmarks of X[0] is vertex 999"),
+        ("a.csv", "tip,x\n", (), "a.csv: line 1: 'x' is no number"),
+        ("a.tps", "LM3=1\n0 0 1\nID=p\nLM3=1\n0 0 1\nID=q\n", (), "say which by --specimen: p, q"),
+        ("a.csv", "0 0 1\n", ("--frame", "LPS"), "do not say whether they are RAS or LPS"),
+        ("a.doc", "", (), "unknown suffix '.doc' of landmarks"),
+    ],
+)
+def test_bad_landmarks_are_refused_before_the_match(
+    qgeo: Qgeo, name: str, text: str, options: tuple[str, ...], expected: str
+) -> None:
+    Path(name).write_text(text)
+    result = qgeo("match", "blob.off", "blob.off", "--landmarks", name, *options)
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert name in result.stderr
+    assert expected in result.stderr
+    assert not Path("qgeo-out").exists()
 
 
 def test_errors_are_measured_on_y(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> None:

@@ -1,0 +1,90 @@
+"""A map as a scene for 3D viewers: both shapes side by side, what belongs together in one colour."""
+
+from __future__ import annotations
+
+from os import PathLike
+
+import numpy as np
+
+from qgeo_filters._typing import FloatArray
+from qgeo_filters.atomic import atomic_write
+from qgeo_filters.matching.match_result import MatchResult
+from qgeo_filters.report.colors import MISSING, position_colors
+from qgeo_filters.report.maps import view_alike
+from qgeo_filters.report.view import View, best_view
+from qgeo_filters.surface import Surface
+
+_GAP = 0.15  # between the shapes, as a share of the wider one
+
+
+def map_colors(found: MatchResult, view_y: View) -> tuple[FloatArray, FloatArray]:
+    """Colours of the vertices of X and of Y: those of Y by their place, carried over to X; grey without partner."""
+    places = position_colors(found.y.vertices, view_y.axes)
+    carried = found.transfer(places, to="x")
+    return (
+        np.where(np.isnan(carried), MISSING, np.clip(carried, 0.0, 1.0)),
+        np.where(found.inverse[:, None] < 0, MISSING, places),
+    )
+
+
+def write_match_glb(path: str | PathLike[str], found: MatchResult, *, normalize: bool = True) -> None:
+    """Write both shapes, at full resolution, as binary glTF with a colour for each vertex.
+
+    Parameters
+    ----------
+    path : path
+    found : MatchResult
+        Vertices of X have the colours of their images on Y; those without a partner are grey.
+    normalize : bool
+        Whether both are drawn in one size, whatever their areas.
+
+    Notes
+    -----
+    The nodes ``X`` and ``Y`` turn, scale and move the shapes so that a viewer shows them from the side of the report's
+    picture, X on the left; their meshes have the coordinates that were given.
+    """
+    import trimesh
+
+    x, y = found.x, found.y
+    view = best_view(x.vertices, x.faces)
+    views = view, view_alike(x, view, y, found.p2p)
+    colors = map_colors(found, views[1])
+    units = np.sqrt(x.area), np.sqrt(y.area if normalize else x.area)
+    scene = trimesh.Scene()
+    edges = _beside(x, views[0], units[0], -1.0), _beside(y, views[1], units[1], 1.0)
+    for name, surface, color, placement in zip("XY", (x, y), colors, edges, strict=True):
+        material = trimesh.visual.material.PBRMaterial(
+            name=name, baseColorFactor=[255, 255, 255, 255], metallicFactor=0.0, roughnessFactor=0.8, doubleSided=True
+        )
+        visual = trimesh.visual.TextureVisuals(material=material)
+        visual.vertex_attributes["color"] = _linear_bytes(color)
+        mesh = trimesh.Trimesh(
+            surface.vertices,
+            surface.faces,
+            vertex_normals=surface.vertex_normals,
+            visual=visual,
+            process=False,
+            validate=False,
+        )
+        scene.add_geometry(mesh, node_name=name, geom_name=f"{name} mesh", transform=placement)
+    content = scene.export(file_type="glb", include_normals=True)
+    with atomic_write(path) as file:
+        file.write(content)
+
+
+def _beside(surface: Surface, view: View, unit: float, side: float) -> FloatArray:
+    """Placement (4, 4) of a shape: seen as in a view, of that unit, left (-1) or right (1) of the origin."""
+    turned = surface.vertices[surface.faces.ravel()] @ view.axes.T / unit
+    low, high = turned.min(axis=0), turned.max(axis=0)
+    shift = -0.5 * (low + high)
+    shift[0] += side * 0.5 * (1 + _GAP) * (high[0] - low[0])
+    placement = np.eye(4)
+    placement[:3, :3] = view.axes / unit
+    placement[:3, 3] = shift
+    return placement
+
+
+def _linear_bytes(colors: FloatArray) -> np.ndarray:
+    """RGBA, 8 bit, (n, 4), of sRGB colours in [0, 1]: glTF's colours of vertices are linear."""
+    linear = np.where(colors <= 0.04045, colors / 12.92, ((colors + 0.055) / 1.055) ** 2.4)
+    return np.column_stack([np.round(255 * linear), np.full(len(colors), 255)]).astype(np.uint8)
