@@ -83,6 +83,7 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .spectral.distance_spectrum import distance_spectrum as distance_spectrum
     from .spectral.landmarks import landmark_spectrum as landmark_spectrum
     from .spectral.laplacian import laplacian_spectrum as laplacian_spectrum
+    from .spectral.proxy_spectrum import proxy_spectrum as proxy_spectrum
     from .spectral.spectrum import Spectrum as Spectrum
     from .surface import Surface as Surface
 
@@ -128,6 +129,7 @@ _HOME = {
     "distance_spectrum": "spectral.distance_spectrum",
     "landmark_spectrum": "spectral.landmarks",
     "streamed_spectrum": "spectral.block_krylov",
+    "proxy_spectrum": "spectral.proxy_spectrum",
     "laplacian_spectrum": "spectral.laplacian",
     "Spectrum": "spectral.spectrum",
     "self_symmetry": "matching.symmetry",

@@ -50,6 +50,7 @@ CASES: dict[str, Callable[[Any], Any]] = {
     "distance_spectrum": lambda m: qg.distance_spectrum(m, 5),
     "landmark_spectrum": lambda m: qg.landmark_spectrum(m, **COUNTS),
     "streamed_spectrum": lambda m: qg.streamed_spectrum(m, **COUNTS),
+    "proxy_spectrum": lambda m: qg.proxy_spectrum(m, 5, vertices=100),
     "laplacian_spectrum": lambda m: qg.laplacian_spectrum(m, 5),
     "self_symmetry": qg.self_symmetry,
     "match": lambda m: qg.match(m, m),

@@ -10,6 +10,9 @@ import typer
 
 from qgeo_filters._typing import RepairOption
 
+#: What results say of a spectrum that nothing stands in for.
+ALL_DISTANCES = "all distances"
+
 MeshFile = Annotated[
     Path,
     typer.Argument(metavar="MESH", help="OFF, OBJ, PLY, STL, GLB, or TOSCA's .vert/.tri, .mat.", show_default=False),

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from qgeo_filters.cli.options import (
+    ALL_DISTANCES,
     Accuracy,
     Force,
     Json,
@@ -24,6 +25,10 @@ from qgeo_filters.cli.options import (
     repair_option,
 )
 from qgeo_filters.defaults import CURVATURE_WEIGHT, EIGENPAIRS
+from qgeo_filters.errors import ParameterError
+
+if TYPE_CHECKING:
+    from qgeo_filters.spectral.distance_spectrum import Landmarks
 
 Count = Annotated[int, typer.Option("-k", help="Number of eigenpairs.")]
 MassName = Annotated[
@@ -32,8 +37,13 @@ MassName = Annotated[
         "--mass", "--weights", help="Eigenproblem of the integral operator, or of the plain matrix (paper, eq. 2)."
     ),
 ]
-Landmarks = Annotated[
-    int | None, typer.Option("--landmarks", help="Number of farthest points that stand for all, for large meshes.")
+LandmarksText = Annotated[
+    str,
+    typer.Option(
+        "--landmarks",
+        metavar="auto|all|NUMBER",
+        help="Farthest points that stand for all; auto: a proxy stands for meshes of more than 12,000 vertices.",
+    ),
 ]
 
 
@@ -44,7 +54,7 @@ def spectrum(
     scalar: Scalar = "mean_curvature",
     smoothing: Smoothing = 0.0,
     mass: MassName = "area",
-    landmarks: Landmarks = None,
+    landmarks: LandmarksText = "auto",
     method: Method = "graph",
     accuracy: Accuracy = 1e-3,
     workers: Workers = None,
@@ -68,7 +78,7 @@ def spectrum(
         scalar=scalar,
         curvature_weight=curvature_weight,
         mass=mass,
-        landmarks=landmarks,
+        landmarks=_landmarks(landmarks),
         smoothing=smoothing,
         method=method,
         accuracy=accuracy,
@@ -100,9 +110,20 @@ def spectrum(
     job.finish([eigenvalue_table(found)])
 
 
+def _landmarks(text: str) -> Landmarks:
+    """What the option says, as the argument of `distance_spectrum`."""
+    if text in ("auto", "all"):
+        return None if text == "all" else "auto"
+    try:
+        return int(text)
+    except ValueError:
+        raise ParameterError(f"--landmarks must be auto, all or a number, got {text!r}") from None
+
+
 def spectrum_results(found: Any) -> dict[str, Any]:
     """Numbers of a spectrum for result.json."""
     return {
+        "from": found.approximation or ALL_DISTANCES,
         "eigenvalues": found.eigenvalues.tolist(),
         "positive_eigenvalues": int((found.eigenvalues > 0).sum()),
         # Numbered from 1, as in the table and the pictures.

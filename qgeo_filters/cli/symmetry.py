@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from qgeo_filters.cli.options import (
+    ALL_DISTANCES,
     Accuracy,
     Force,
     Json,
@@ -80,6 +81,7 @@ def symmetry(
     from qgeo_filters.cli.job import Job
     from qgeo_filters.filters import stages
     from qgeo_filters.matching.prepared_shape import check_matchable
+    from qgeo_filters.spectral.distance_spectrum import is_represented
 
     mend = repair_option(repair, force)
     parameters = {
@@ -106,9 +108,10 @@ def symmetry(
     # The matrix is held here: the stages after it find it, whatever the bound of the cache.
     with job.stage("distances"):
         metric = stages.metric_of(surface, scalar, curvature_weight, smoothing)
-        matrix = stages.matrix_of(metric, method, accuracy, job.progress)
+        small = not is_represented(surface, "auto")
+        matrix = stages.matrix_of(metric, method, accuracy, job.progress) if small else None
     with job.stage("spectrum"):
-        spectrum = stages.spectrum_of(metric, k0, "area", None, method, accuracy, job.progress)
+        spectrum = stages.spectrum_of(metric, k0, "area", "auto", method, accuracy, job.progress)
     if explicit:
         with job.stage("map"):
             found = stages.symmetry_of(surface, job.progress)
@@ -172,13 +175,13 @@ def symmetry_attributes(arrays: dict[str, Any], found: Symmetry | None) -> dict[
 
 def symmetry_measure(
     spectrum: Spectrum,
-    matrix: np.ndarray,
+    matrix: np.ndarray | None,
     k0: int,
     n_regions: int | None = None,
     epsilon: float | None = None,
     reading: Reading = "absolute",
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Numbers and arrays of eq. (3), its bound checked on random pairs of vertices."""
+    """Numbers and arrays of eq. (3), its bound checked on random pairs of vertices where the matrix is at hand."""
     import numpy as np
 
     from qgeo_filters.matching.symmetry_measure import (
@@ -190,14 +193,18 @@ def symmetry_measure(
 
     values = symmetry_sum(spectrum, k0, reading)
     regions = symmetry_regions(spectrum, n_regions, epsilon, k0, reading)
-    one, other = np.random.default_rng(0).integers(0, spectrum.n_vertices, (2, _PAIRS))
-    one, other = one[one != other], other[one != other]
-    bound = epsilon_bound(spectrum, matrix, one, other, k0)
+    share = None
+    if matrix is not None:
+        one, other = np.random.default_rng(0).integers(0, spectrum.n_vertices, (2, _PAIRS))
+        one, other = one[one != other], other[one != other]
+        bound = epsilon_bound(spectrum, matrix, one, other, k0)
+        share = float((np.abs(values[one] - values[other]) / bound).max())
     results = {
         "k0": k0,
+        "spectrum_from": spectrum.approximation or ALL_DISTANCES,
         "epsilon_of_all_pairs": symmetry_epsilon(spectrum, None, k0, reading),
         "regions": len(np.unique(regions)),
-        "largest_share_of_the_bound": float((np.abs(values[one] - values[other]) / bound).max()),
+        "largest_share_of_the_bound": share,
     }
     return results, {"symmetry_sum": values, "regions": regions}
 

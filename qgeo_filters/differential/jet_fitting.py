@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from math import comb
 from typing import Final, NamedTuple
 
@@ -10,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy import sparse
 
-from qgeo_filters._typing import FloatArray
+from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.parallel import concurrently
 from qgeo_filters.surface import Surface
 
 #: Degree of the polynomials. With a quadric the curvatures are off by (r / R)^2, r the radius of the neighbourhood and
@@ -122,19 +122,26 @@ def _adjacency(surface: Surface) -> sparse.csr_matrix:
 def _fits(surface: Surface, frames: FloatArray, adjacency: sparse.csr_matrix, rings: int) -> _Fits:
     n, normals = surface.n_vertices, surface.vertex_normals
     fits = _Fits(np.zeros((n, 2)), np.zeros((n, 2, 2)), np.zeros(n, dtype=bool), np.zeros(n))
-    for block, neighbours, inside in _neighbourhoods(adjacency, rings):
+
+    reach, blocks = _neighbourhoods(adjacency, rings)
+
+    def fit(block: IndexArray) -> None:
+        first, end = reach.indptr[block], reach.indptr[block + 1]
+        at = first[:, None] + np.arange((end - first).max())
+        inside = at < end[:, None]
+        neighbours = reach.indices[np.where(inside, at, 0)]
         local = (surface.vertices[neighbours] - surface.vertices[block, None]) @ frames[block].transpose(0, 2, 1)
         cosines = (normals[neighbours] @ normals[block, :, None])[..., 0]
         weights = np.where(inside, np.maximum(cosines, 0.0), 0.0) ** NORMAL_POWER
-        for whole, part in zip(fits, _fit(local, weights), strict=True):
-            whole[block] = part
+        for whole, values in zip(fits, _fit(local, weights), strict=True):
+            whole[block] = values
+
+    concurrently(fit, blocks)
     return fits
 
 
-def _neighbourhoods(
-    adjacency: sparse.csr_matrix, rings: int
-) -> Iterator[tuple[npt.NDArray[np.int64], npt.NDArray[np.int32], npt.NDArray[np.bool_]]]:
-    """Vertices (b,) with their neighbours and themselves (b, m), and which of the latter are meant, in blocks."""
+def _neighbourhoods(adjacency: sparse.csr_matrix, rings: int) -> tuple[sparse.csr_matrix, list[IndexArray]]:
+    """Neighbours of each vertex and itself, as rows of a matrix, and all vertices in blocks of as many neighbours."""
     valences = np.diff(adjacency.indptr)
     start = np.repeat(np.arange(len(valences)), valences)
     through = adjacency.copy()
@@ -149,10 +156,7 @@ def _neighbourhoods(
     order = np.argsort(counts, kind="stable")
     full = np.diff(np.cumsum(counts[order], dtype=np.int64) // _BLOCK) > 0
     bounds = np.flatnonzero(full | (np.diff(np.log2(counts[order]).astype(int)) > 0)) + 1
-    for block in np.split(order, bounds):
-        place = np.arange(counts[block].max())
-        inside = place < counts[block, None]
-        yield block, reach.indices[np.where(inside, reach.indptr[block, None] + place, 0)], inside
+    return reach, np.split(order, bounds)
 
 
 def _fit(local: FloatArray, weights: FloatArray) -> _Fits:

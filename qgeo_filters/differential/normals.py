@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import nnls
 
 from qgeo_filters._typing import FloatArray
+from qgeo_filters.differential.cone_projection import projected_on_cones
 from qgeo_filters.differential.coordinates import differential_coordinates
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 
@@ -48,11 +48,7 @@ def vertex_normals(surface: SurfaceLike, corrected: bool = True) -> FloatArray:
     usable = length > _VANISHING * reach
     corners = np.argsort(surface.faces.ravel(), kind="stable")
     start = np.searchsorted(surface.faces.ravel()[corners], np.arange(surface.n_vertices + 1))
-    normals = weighted.copy()
-    for i in np.flatnonzero(usable):
-        cone = surface.face_normals[corners[start[i] : start[i + 1]] // 3]
-        projection = cone.T @ nnls(cone.T, direction[i] / length[i])[0]
-        size = np.linalg.norm(projection)
-        if size > _VANISHING:
-            normals[i] = projection / size
-    return normals
+    unit = np.divide(direction, length[:, None], out=np.zeros_like(direction), where=usable[:, None])
+    projection = projected_on_cones(surface.face_normals, start, corners // 3, unit)
+    size = np.linalg.norm(projection, axis=1, keepdims=True)
+    return np.divide(projection, size, out=weighted.copy(), where=size > _VANISHING)

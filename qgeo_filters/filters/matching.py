@@ -88,7 +88,7 @@ class SelfSymmetry(MetricFilter):
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
         """Measure and regions by attribute name."""
         self.spectrum_ = stages.spectrum_of(
-            self._metric(surface), self.k0, "area", None, self.method, self.accuracy, progress
+            self._metric(surface), self.k0, "area", "auto", self.method, self.accuracy, progress
         )
         self.symmetry_ = stages.symmetry_of(surface, progress)
         self.epsilon_ = symmetry_epsilon(self.spectrum_, k0=self.k0, reading=self.reading)

@@ -12,6 +12,7 @@ from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.geodesics import MetricFilter
 from qgeo_filters.filters.registry import registered
+from qgeo_filters.spectral.distance_spectrum import Landmarks
 from qgeo_filters.spectral.spectrum import Mass, Spectrum
 from qgeo_filters.surface import Surface
 
@@ -26,8 +27,9 @@ class QuasiGeodesicSpectrum(MetricFilter):
         Number of eigenpairs, by decreasing absolute eigenvalue.
     mass : {"area", "uniform"}
         Eigenproblem of the integral operator, or of the plain matrix (paper, eq. (2)).
-    landmarks : int, optional
-        Number of farthest points that stand for all, for meshes whose matrix does not fit in memory.
+    landmarks : "auto", int or None
+        ``"auto"``: all distances on a mesh of up to 12,000 vertices, a proxy for a larger one. A number: so many
+        farthest points stand for all. None: all distances in any case. See `distance_spectrum`.
     scalar, curvature_weight, smoothing, method, accuracy
         See `MetricFilter`.
     """
@@ -46,7 +48,7 @@ class QuasiGeodesicSpectrum(MetricFilter):
         scalar: Scalar = "mean_curvature",
         curvature_weight: float = CURVATURE_WEIGHT,
         mass: Mass = "area",
-        landmarks: int | None = None,
+        landmarks: Landmarks = "auto",
         smoothing: float = 0.0,
         method: str = "graph",
         accuracy: float = 1e-3,

@@ -27,7 +27,7 @@ from qgeo_filters.matching.partial.partial_match import matched_as_part
 from qgeo_filters.matching.prepared_shape import PreparedShape, check_same_size
 from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
 from qgeo_filters.parallel import default_workers, worker_count
-from qgeo_filters.spectral.distance_spectrum import distance_spectrum
+from qgeo_filters.spectral.distance_spectrum import Landmarks, checked_landmarks, distance_spectrum, is_represented
 from qgeo_filters.spectral.laplacian import laplacian_spectrum
 from qgeo_filters.spectral.spectrum import Mass, Spectrum, check_areas, check_count
 from qgeo_filters.surface import Surface
@@ -71,7 +71,7 @@ def spectrum_of(
     metric: LiftedMetric,
     k: int,
     mass: Mass,
-    landmarks: int | None,
+    landmarks: Landmarks,
     method: str,
     accuracy: float,
     progress: bool = False,
@@ -80,15 +80,17 @@ def spectrum_of(
     """Eigenspectrum of the all-pairs distances of a metric, see `distance_spectrum`."""
     surface = metric.surface
     check_spectrum(surface, k)
+    checked_landmarks(landmarks)
 
     def compute() -> Spectrum:
-        matrix = None if landmarks else matrix_of(metric, method, accuracy, progress)
+        needed = landmarks is None or (landmarks == "auto" and not is_represented(surface, landmarks))
+        matrix = matrix_of(metric, method, accuracy, progress) if needed else None
         return distance_spectrum(
             surface,
             k,
             metric,
             mass,
-            landmarks,
+            None if needed else landmarks,
             matrix=matrix,
             method=method,
             accuracy=accuracy,

@@ -5,8 +5,9 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 import numpy as np
+import numpy.typing as npt
 
-from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
+from qgeo_filters._typing import IndexArray, SingleArray
 from qgeo_filters.parallel import run_tasks
 
 
@@ -39,9 +40,11 @@ class DistanceSolver(ABC):
         return np.arange(self.n_vertices)
 
 
-def distances_from(solver: DistanceSolver, sources: IndexArray, workers: int | None, progress: bool) -> FloatArray:
+def distances_from(
+    solver: DistanceSolver, sources: IndexArray, workers: int | None, progress: bool, dtype: npt.DTypeLike = np.float64
+) -> np.ndarray:
     """Distances (s, n) from vertices in any order, repeated ones too."""
-    result = np.empty((len(sources), solver.n_vertices))
+    result = np.empty((len(sources), solver.n_vertices), dtype)
     place = np.empty(solver.n_vertices, np.int64)
     place[solver.source_order] = np.arange(solver.n_vertices)
     together = np.argsort(place[sources], kind="stable")

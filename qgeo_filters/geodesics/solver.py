@@ -8,9 +8,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters._typing import FloatArray
+from qgeo_filters._typing import FloatArray, SingleArray
 from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.geodesics.distance_solver import DistanceSolver, all_distances, distances_from
 from qgeo_filters.geodesics.methods import method_named
@@ -93,12 +94,21 @@ class GeodesicSolver:
 
     def distances(self, sources: npt.ArrayLike, *, progress: bool = False) -> FloatArray:
         """Distances (s, n) from some vertices to all, see `qgeo_filters.distances`."""
+        return self._rows(sources, np.dtype(np.float64), progress)
+
+    def single_distances(self, sources: npt.ArrayLike, *, progress: bool = False) -> SingleArray:
+        """The same in float32: half the memory, for rows of many vertices."""
+        return self._rows(sources, np.dtype(np.float32), progress)
+
+    def _rows(self, sources: npt.ArrayLike, dtype: np.dtype, progress: bool) -> np.ndarray:
         n = self.surface.n_vertices
         chosen = checked_indices(sources, n, "sources")
         require_memory(
-            8 * n * len(chosen), f"the distances from {len(chosen)} to all {n} vertices", "take fewer sources at a time"
+            dtype.itemsize * n * len(chosen),
+            f"the distances from {len(chosen)} to all {n} vertices",
+            "take fewer sources at a time",
         )
-        return distances_from(self._solver, chosen, self.workers, progress)
+        return distances_from(self._solver, chosen, self.workers, progress, dtype)
 
     def distance_matrix(self, *, out: str | os.PathLike[str] | None = None, progress: bool = False) -> Any:
         """Distances (n, n) between all vertices, in memory or on disk, see `qgeo_filters.distance_matrix`."""

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 from scipy.sparse.linalg import LinearOperator
@@ -9,11 +12,12 @@ from scipy.sparse.linalg import LinearOperator
 from qgeo_filters._deprecation import renamed_parameters
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
-from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric, Metric, metric_for
+from qgeo_filters.geodesics.solver import GeodesicSolver
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.sampling import farthest_on_edges
-from qgeo_filters.spectral.biharmonic import biharmonic_interpolation
+from qgeo_filters.spectral.biharmonic import Product, biharmonic_interpolation
+from qgeo_filters.spectral.proxies import interpolation_over_proxy
 from qgeo_filters.spectral.spectrum import (
     Mass,
     Spectrum,
@@ -22,7 +26,10 @@ from qgeo_filters.spectral.spectrum import (
     check_mass,
     spectrum_of_matrix,
 )
-from qgeo_filters.validation import checked_indices
+from qgeo_filters.validation import checked_count, checked_indices
+
+#: Vertices up to which the interpolation is factorised on the surface itself, and those of the proxy for larger ones.
+FACTORISED_UP_TO, PROXY_VERTICES = 40_000, 10_000
 
 
 def farthest_points(
@@ -89,6 +96,8 @@ def landmark_spectrum(
     landmarks : int or array-like of int
         How many farthest points, or which vertices; more than k. With 1000 the span of the first twenty
         eigenfunctions is off by a sine of .005 to .03, with 500 of .02 to .11 (`benchmarks/spectrum_landmarks.py`).
+        A number of them on a surface of more than 40,000 vertices is spread over a proxy of it, which the interpolation
+        between them goes through as well: its equations on the surface itself would take gigabytes.
     mass : {"area", "uniform"}
         As in `spectrum_of_matrix`.
     method, accuracy, workers, progress
@@ -108,17 +117,32 @@ def landmark_spectrum(
     check_areas(surface.vertex_areas)
     check_mass(mass)
     metric = metric_for(surface, metric, "lifted")
-    if np.ndim(landmarks) == 0:
-        points = farthest_points(surface, np.asarray(landmarks).item(), metric)
-    else:
+    number = np.asarray(landmarks).item() if np.ndim(landmarks) == 0 else None
+    interpolation = None
+    if number is None:
         points = checked_indices(landmarks, surface.n_vertices, "landmarks")
+    elif surface.n_vertices <= FACTORISED_UP_TO:
+        points = farthest_points(surface, number, metric)
+    else:
+        number = checked_count(number, 1, PROXY_VERTICES, "landmarks", f"the {PROXY_VERTICES} vertices of a proxy")
+        points, *interpolation = interpolation_over_proxy(metric, number, PROXY_VERTICES)
     if len(points) <= k:
         raise ParameterError(f"{k} eigenpairs need more landmarks than that, got {len(points)}")
-    rows = distances(surface, points, metric, method, accuracy=accuracy, workers=workers, progress=progress)
-    return spectrum_of_matrix(landmark_operator(metric, points, rows), surface.vertex_areas, k, mass)
+    solver = GeodesicSolver(surface, metric, method, accuracy=accuracy, workers=workers)
+    operator = landmark_operator(
+        metric, points, solver.single_distances(points, progress=progress), interpolation=interpolation
+    )
+    found = spectrum_of_matrix(operator, surface.vertex_areas, k, mass)
+    return replace(found, approximation=f"{len(points)} landmarks")
 
 
-def landmark_operator(metric: LiftedMetric, landmarks: npt.ArrayLike, rows: npt.ArrayLike) -> LinearOperator:
+def landmark_operator(
+    metric: LiftedMetric,
+    landmarks: npt.ArrayLike,
+    rows: npt.ArrayLike,
+    *,
+    interpolation: Sequence[Product] | None = None,
+) -> LinearOperator:
     r"""Symmetric approximation of the distance matrix (n, n) from the rows of m landmarks.
 
     With R the rows (m, n), G = R at the landmarks (m, m), and W the interpolation (n, m) that carries
@@ -138,6 +162,8 @@ def landmark_operator(metric: LiftedMetric, landmarks: npt.ArrayLike, rows: npt.
         Different vertices.
     rows : array-like, shape (m, n)
         Distances in this metric from each landmark to all vertices; kept as float32.
+    interpolation : pair of callables, optional
+        Products with W and with its transpose; `biharmonic_interpolation` by default.
 
     Returns
     -------
@@ -170,7 +196,7 @@ def landmark_operator(metric: LiftedMetric, landmarks: npt.ArrayLike, rows: npt.
         raise ParameterError(f"rows must have shape {(len(points), n)}, got {table.shape}")
     between = table[:, points].astype(np.float64)
     between = (between + between.T) / 2
-    spread, gathered = biharmonic_interpolation(metric, points)
+    spread, gathered = biharmonic_interpolation(metric, points) if interpolation is None else interpolation
 
     def product(x: FloatArray) -> FloatArray:
         columns = np.asarray(x, dtype=np.float64).reshape(n, -1)

@@ -48,6 +48,9 @@ class Spectrum:
         (`streamed_spectrum`). An eigenvalue of the operator lies that near, relatively; the sine of the angle between
         the span of some eigenfunctions and the true one is at most the norm of their residuals over the gap between
         their eigenvalues and all others.
+    approximation : str
+        What stands for the distances between all vertices: some landmarks, or a proxy of the surface. Empty where
+        nothing does.
     """
 
     eigenvalues: FloatArray
@@ -55,6 +58,11 @@ class Spectrum:
     areas: FloatArray
     multiplets: tuple[tuple[int, ...], ...]
     residuals: FloatArray | None = None
+    approximation: str = ""
+
+    def __repr__(self) -> str:
+        source = f", from {self.approximation}" if self.approximation else ""
+        return f"Spectrum({self.k} eigenpairs on {self.n_vertices} vertices{source})"
 
     @classmethod
     def of(
@@ -63,6 +71,7 @@ class Spectrum:
         eigenfunctions: npt.ArrayLike,
         areas: npt.ArrayLike,
         residuals: FloatArray | None = None,
+        approximation: str = "",
     ) -> Spectrum:
         """Spectrum of these eigenpairs, in their order, with canonical signs and multiplets."""
         values = np.array(eigenvalues, dtype=np.float64)
@@ -71,7 +80,7 @@ class Spectrum:
         functions *= canonical_signs(functions, mass)
         if residuals is not None:
             residuals = frozen(np.array(residuals, dtype=np.float64))
-        return cls(frozen(values), frozen(functions), frozen(mass), group_multiplets(values), residuals)
+        return cls(frozen(values), frozen(functions), frozen(mass), group_multiplets(values), residuals, approximation)
 
     @property
     def k(self) -> int:
@@ -92,6 +101,7 @@ class Spectrum:
             self.areas,
             group_multiplets(self.eigenvalues[:k]),
             None if self.residuals is None else frozen(self.residuals[:k].copy()),
+            self.approximation,
         )
 
 

@@ -12,6 +12,7 @@ import pythreejs as three
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.surface import Surface
+from qgeo_widgets.display_mesh import DisplayMesh
 from qgeo_widgets.disposal import close_tree
 from qgeo_widgets.scene_placement import ScenePlacement
 
@@ -51,7 +52,9 @@ class Pane:
         self.colors = np.tile(_CLAY, (surface.n_vertices, 1))
         self.marks: dict[str, tuple[FloatArray, Color]] = {}
         self.lines: dict[str, tuple[FloatArray, Color]] = {}
-        self._points = placement.to_scene(surface.vertices)
+        self.display = DisplayMesh(surface)
+        shown = self.display.shown
+        self._points = placement.to_scene(shown.vertices)
         self._radius = mark_radius
         self._camera = camera
         self._pressed_from = camera.position
@@ -59,15 +62,15 @@ class Pane:
         self._strokes: dict[str, Any] = {}
         self._retired: list[Any] = []
         self._on_pick: list[Callable[[int], None]] = []
-        self._color_attribute = three.BufferAttribute(self.colors, normalized=False)
+        self._color_attribute = three.BufferAttribute(self.display.at_vertices(self.colors), normalized=False)
         geometry = three.BufferGeometry(
             attributes={
                 "position": three.BufferAttribute(self._points.astype(np.float32), normalized=False),
                 "normal": three.BufferAttribute(
-                    (surface.vertex_normals @ placement.axes.T).astype(np.float32), normalized=False
+                    (shown.vertex_normals @ placement.axes.T).astype(np.float32), normalized=False
                 ),
                 "color": self._color_attribute,
-                "index": three.BufferAttribute(surface.faces.ravel().astype(np.uint32), normalized=False),
+                "index": three.BufferAttribute(shown.faces.ravel().astype(np.uint32), normalized=False),
             }
         )
         # The mesh is pushed back a little, so that lines on it are not cut by it.
@@ -104,7 +107,7 @@ class Pane:
         if np.array_equal(new, self.colors):
             return False
         self.colors = new
-        self._color_attribute.array = new  # a new array: changes within one are not sent
+        self._color_attribute.array = self.display.at_vertices(new)  # a new array: changes within one are not sent
         return True
 
     # -- marks and lines ----------------------------------------------------------------------------
@@ -170,8 +173,7 @@ class Pane:
         corners = np.asarray(self.picker.face, dtype=np.int64)
         if not ((corners >= 0) & (corners < len(self._points))).all():
             return
-        gap = np.linalg.norm(self._points[corners] - np.asarray(self.picker.point), axis=1)
-        vertex = int(corners[gap.argmin()])
+        vertex = self.display.vertex_at(corners, self.placement.to_surface(self.picker.point))
         for callback in self._on_pick:
             callback(vertex)
 

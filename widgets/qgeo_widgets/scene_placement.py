@@ -33,6 +33,10 @@ class ScenePlacement:
         """Points (..., 3) in the scene."""
         return (np.asarray(points, dtype=np.float64) - self.center) @ self.axes.T * self.scale
 
+    def to_surface(self, points: npt.ArrayLike) -> FloatArray:
+        """Points (..., 3) of the scene in the surface's own coordinates."""
+        return np.asarray(points, dtype=np.float64) @ self.axes / self.scale + self.center
+
     def turned(self) -> ScenePlacement:
         """The same after half a turn about the scene's vertical axis: the back of the shape."""
         return ScenePlacement(self.center, np.diag([-1.0, 1.0, -1.0]) @ self.axes, self.scale)

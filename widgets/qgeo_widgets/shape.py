@@ -16,6 +16,7 @@ from qgeo_filters.filters import stages
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.hosts.dispatch import as_surface
+from qgeo_filters.spectral.distance_spectrum import Landmarks, is_represented
 from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
 
@@ -106,6 +107,8 @@ class Shape:
         return lines
 
 
-def _landmarks(surface: Surface) -> int | None:
-    """None while the full matrix is small; beyond that as many landmarks as give a true picture quickly."""
+def _landmarks(surface: Surface) -> Landmarks:
+    """None while the full matrix is small; beyond that as many landmarks as give a true picture quickly, or a proxy."""
+    if is_represented(surface, "auto"):
+        return "auto"
     return None if surface.n_vertices <= 8000 else 1000

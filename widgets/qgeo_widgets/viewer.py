@@ -120,7 +120,10 @@ class Viewer:
     def _framed(self, pane: Pane, fallback: FallbackImage, title: str) -> ipywidgets.VBox:
         box = ipywidgets.Box([pane.renderer, fallback], layout={"width": f"{self.size[0] + 2}px"})
         box.add_class("qgeo-pane")
-        return ipywidgets.VBox([ipywidgets.HTML(title), box], layout={"margin": "0 6px 4px 0", "overflow": "visible"})
+        return ipywidgets.VBox(
+            [ipywidgets.HTML(title + pane.display.caption), box],
+            layout={"margin": "0 6px 4px 0", "overflow": "visible"},
+        )
 
     def _moved(self, change: Any) -> None:
         # Orbit controls report once at first, without having been touched.

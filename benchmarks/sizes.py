@@ -1,0 +1,125 @@
+"""What costs what on large meshes: wall-clock and CPU seconds, and peak memory, of each job in a fresh process.
+
+    python benchmarks/sizes.py MESH.ply ... [--only JOB,JOB]
+    python benchmarks/sizes.py 6 7 8       (lopsided spheres with noise, of 40962, 163842 and 655362 vertices)
+
+A job is a function of a surface in `JOBS`. Reading the file, and loading the kernels, is not counted in the others;
+peak memory is that of the whole process, the interpreter and the mesh with it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from geodesics_common import machine
+
+import qgeo_filters as qg
+from qgeo_filters.decimation import decimated
+from qgeo_filters.differential.curvature import mean_curvature, principal_curvatures
+from qgeo_filters.report.render import render_mesh
+from qgeo_filters.spectral.landmarks import farthest_points
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+from shapes import blob
+
+
+def described(surface: qg.Surface) -> object:
+    """All that a surface derives from itself."""
+    names = [name for name in dir(type(surface)) if isinstance(getattr(type(surface), name), property)]
+    names += [name for name in vars(type(surface)) if not name.startswith("_")]
+    return [getattr(surface, name) for name in sorted(set(names))]
+
+
+def some(surface: qg.Surface, count: int) -> np.ndarray:
+    """Vertices at random."""
+    return np.random.default_rng(0).integers(0, surface.n_vertices, count)
+
+
+#: Name of a job, and what it does with a surface; the first reads the file.
+JOBS: dict[str, Callable[[qg.Surface], object]] = {
+    "read (binary PLY)": lambda surface: None,
+    "surface, all derived quantities": described,
+    "vertex normals, corrected": qg.vertex_normals,
+    "mean curvature": mean_curvature,
+    "principal curvatures": principal_curvatures,
+    "lifted metric": qg.lifted_metric,
+    "proxy of 2500 vertices": lambda surface: decimated(surface, 2500),
+    "1000 farthest points": lambda surface: farthest_points(surface, 1000),
+    "distances, 10 sources, edges": lambda surface: qg.distances(surface, some(surface, 10), method="edges"),
+    "distances, 10 sources, accuracy .01": lambda surface: qg.distances(surface, some(surface, 10), accuracy=1e-2),
+    "distances, 10 sources, accuracy .001": lambda surface: qg.distances(surface, some(surface, 10)),
+    "path": lambda surface: qg.quasi_geodesic(surface, *some(surface, 2).tolist(), initial="edges"),
+    "distance spectrum, surface's metric": lambda surface: qg.distance_spectrum(surface, 20, "cartesian"),
+    "distance spectrum, lifted metric": lambda surface: qg.distance_spectrum(surface, 20, "lifted"),
+    "Laplacian spectrum, 20": lambda surface: qg.laplacian_spectrum(surface, 20),
+    "Laplacian spectrum, 200": lambda surface: qg.laplacian_spectrum(surface, 200),
+    "picture": lambda surface: render_mesh(surface.vertices, surface.faces),
+}
+
+
+def noisy_blob(level: int, folder: Path) -> Path:
+    """File of a lopsided sphere of 10 * 4^level + 2 vertices, with noise of .03 mean edges."""
+    surface = qg.Surface(*blob(level, seed=1))
+    step = 0.03 * float(surface.edge_lengths.mean())
+    rough = surface.vertices + step * np.random.default_rng(0).standard_normal(surface.vertices.shape)
+    path = folder / f"{surface.n_vertices}.ply"
+    surface.with_vertices(rough).write(path)
+    return path
+
+
+def measured(path: Path, job: str) -> dict[str, float]:
+    """Seconds and memory of one job; called in a process of its own."""
+    qg.warmup()
+    wall, cpu = time.perf_counter(), time.process_time()
+    surface = qg.Surface.read(path)
+    if job != next(iter(JOBS)):
+        wall, cpu = time.perf_counter(), time.process_time()
+        JOBS[job](surface)
+    return {
+        "wall": time.perf_counter() - wall,
+        "cpu": time.process_time() - cpu,
+        "memory": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024),
+    }
+
+
+def main() -> None:
+    """Print the table, row by row."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("meshes", nargs="+")
+    parser.add_argument("--only", help="jobs whose names begin with these, with commas between")
+    parser.add_argument("--one", action="store_true", help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.one:
+        print(json.dumps(measured(Path(arguments.meshes[0]), arguments.only)))
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        meshes = [noisy_blob(int(m), Path(folder)) if m.isdigit() else Path(m) for m in arguments.meshes]
+        sizes = [qg.Surface.read(mesh).n_vertices for mesh in meshes]
+        starts = tuple(arguments.only.split(",")) if arguments.only else ("",)
+        print(f"Machine: {machine()}. Wall-clock s / CPU s / peak GB.\n\n| | {' | '.join(map(str, sizes))} |")
+        print("|---" * (len(sizes) + 1) + "|", flush=True)
+        for job in (name for name in JOBS if name.startswith(starts)):
+            print(f"| {job} |", end="", flush=True)
+            for mesh in meshes:
+                command = [sys.executable, __file__, str(mesh), "--one", "--only", job]
+                ended = subprocess.run(command, capture_output=True, text=True, check=False)
+                if ended.returncode:
+                    cell = (ended.stderr.strip().splitlines() or ["killed"])[-1]
+                else:
+                    took = json.loads(ended.stdout.splitlines()[-1])
+                    cell = f"{took['wall']:.1f} / {took['cpu']:.1f} / {took['memory'] / 1e9:.2f}"
+                print(f" {cell} |", end="", flush=True)
+            print(flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,72 @@
+"""The mesh that the browser gets of a surface: the surface itself, or a proxy of it where it is large."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+
+from qgeo_filters._typing import IndexArray
+from qgeo_filters.caching import cache
+from qgeo_filters.decimation import decimated
+from qgeo_filters.errors import QgeoError
+from qgeo_filters.fingerprint import content_key
+from qgeo_filters.surface import Surface
+
+#: Vertices up to which a surface is shown as it is: a browser turns 200,000 triangles without a jerk, and every change
+#: of colours is a message of a megabyte and a half.
+SHOWN_AS_IT_IS = 120_000
+#: Vertices of what is shown of a larger one.
+SHOWN_OF_LARGER = 40_000
+
+
+class DisplayMesh:
+    """What is drawn of a surface, and which of its vertices a colour is taken from and a click means.
+
+    Attributes
+    ----------
+    surface : Surface
+        The one that the widget is about.
+    shown : Surface
+        The one that is drawn: the same, or a proxy. A large surface that has no proxy (in several pieces, or not
+        manifold) is drawn as it is.
+    """
+
+    def __init__(self, surface: Surface) -> None:
+        self.surface = surface
+        self.shown = surface
+        self._vertices: IndexArray | None = None
+        if surface.n_vertices > SHOWN_AS_IT_IS:
+            try:
+                key = content_key("display_mesh", surface.vertices, surface.faces)
+                proxy = cache.get(key, lambda: decimated(surface, SHOWN_OF_LARGER))  # once for both sides of a shape
+            except QgeoError:
+                return
+            self.shown, self._vertices = proxy.surface, proxy.vertices
+
+    @property
+    def is_proxy(self) -> bool:
+        """Whether something else than the surface is drawn."""
+        return self._vertices is not None
+
+    @property
+    def caption(self) -> str:
+        """What a reader has to know of it; empty where the surface itself is drawn."""
+        return f", drawn as a mesh of {self.shown.n_vertices}" if self.is_proxy else ""
+
+    def at_vertices(self, values: np.ndarray) -> np.ndarray:
+        """Values (n, ...) of the surface at the vertices that are drawn: those of the nearest vertex."""
+        return values if self._vertices is None else values[self._vertices]
+
+    def vertex_at(self, corners: IndexArray, point: npt.ArrayLike) -> int:
+        """Vertex of the surface nearest to a point of a drawn triangle with these corners."""
+        place = np.asarray(point, dtype=np.float64)
+        if self._vertices is not None:
+            return int(self._tree.query(place)[1])
+        return int(corners[np.linalg.norm(self.surface.vertices[corners] - place, axis=1).argmin()])
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        return cKDTree(self.surface.vertices)
