@@ -58,13 +58,13 @@ def collapsed(
     n = len(points)
     on_rim = np.zeros(n, dtype=bool)
     on_rim[edges[rim]] = True
-    corner, link = _linked_corners(faces, n)
+    corner, link, marks = (np.full(size, _NONE, dtype=np.int32) for size in (n, faces.size, n))
     whole = Complex(
         points.copy(), vertex_quadrics(points, faces, face_edges, rim), faces.copy(), face_edges.copy(), edges.copy(),
-        rim.copy(), on_rim, corner, link, np.full(n, _NONE, dtype=np.int32),
+        rim.copy(), on_rim, corner, link, marks,
     )  # fmt: skip
-    into = np.arange(n, dtype=np.int32)
-    _collapse(whole, empty_queue(len(edges)), into, n_vertices)
+    into, seen = np.arange(n, dtype=np.int32), np.full(len(edges), _NONE, dtype=np.int32)
+    _collapse(whole, empty_queue(len(edges)), into, n_vertices, np.empty(3), seen)
     kept = np.flatnonzero(into == np.arange(n))
     renumbered = np.full(n, _NONE, dtype=np.int32)
     renumbered[kept] = np.arange(len(kept))
@@ -73,9 +73,15 @@ def collapsed(
 
 
 @njit()
-def _linked_corners(faces: IntArray, n: int) -> tuple[IntArray, IntArray]:
-    corner, link = np.full(n, -1, dtype=np.int32), np.empty(faces.size, dtype=np.int32)
-    for c in range(faces.size):
+def _collapse(
+    whole: Complex, queue: BucketQueue, into: IntArray, n_vertices: int, place: FloatArray, seen: IntArray
+) -> None:
+    _run(whole, queue, into, n_vertices, place, seen)
+
+
+@kernel
+def _link_corners(faces: IntArray, corner: IntArray, link: IntArray) -> None:
+    for c in range(3 * len(faces)):
         v = faces[c // 3, c % 3]
         if corner[v] == _NONE:
             corner[v] = c
@@ -83,18 +89,13 @@ def _linked_corners(faces: IntArray, n: int) -> tuple[IntArray, IntArray]:
         else:
             link[c] = link[corner[v]]
             link[corner[v]] = c
-    return corner, link
-
-
-@njit()
-def _collapse(whole: Complex, queue: BucketQueue, into: IntArray, n_vertices: int) -> None:
-    _run(whole, queue, into, n_vertices, np.empty(3), np.full(len(whole.ends), _NONE, dtype=np.int32))
 
 
 @kernel
 def _run(
     whole: Complex, queue: BucketQueue, into: IntArray, n_vertices: int, place: FloatArray, seen: IntArray
 ) -> None:
+    _link_corners(whole.faces, whole.corner, whole.link)
     n_left, n_faces, sliver = len(whole.points), len(whole.faces), _SLIVER
     _put_all(whole, queue, place)
     while n_left > n_vertices:

@@ -19,17 +19,17 @@ def nearest_places(
     corner = np.argsort(faces, axis=None, kind="stable").astype(np.int32)
     first = np.searchsorted(faces.ravel()[corner], np.arange(len(vertices) + 1)).astype(np.int32)
     nearest, coordinates = np.empty(len(points), dtype=np.int64), np.empty((len(points), 3))
-    _seek(points, starts, vertices, faces, first, corner // 3, nearest, coordinates)
+    looked = np.full(len(faces), -1, dtype=np.int64)
+    _seek(points, starts, vertices, faces, first, corner // 3, nearest, coordinates, np.empty(3), looked)
     return nearest, coordinates
 
 
 @njit()
 def _seek(
     points: FloatArray, starts: IndexArray, vertices: FloatArray, faces: IntArray, first: IntArray, around: IntArray,
-    nearest: IndexArray, coordinates: FloatArray,
+    nearest: IndexArray, coordinates: FloatArray, weights: FloatArray, looked: IndexArray,
 ) -> None:  # fmt: skip
-    looked = np.full(len(faces), -1, dtype=np.int64)
-    _seek_all(points, starts, vertices, faces, first, around, nearest, coordinates, np.empty(3), looked)
+    _seek_all(points, starts, vertices, faces, first, around, nearest, coordinates, weights, looked)
 
 
 @kernel

@@ -15,7 +15,6 @@ _BOUNDARY = 10.0
 _FLAT = 1e-12
 
 
-@njit()
 def vertex_quadrics(vertices: FloatArray, faces: IntArray, face_edges: IntArray, rim: np.ndarray) -> FloatArray:
     """Quadric of each vertex, weighed by area, shape (n, 10).
 
@@ -35,10 +34,18 @@ def vertex_quadrics(vertices: FloatArray, faces: IntArray, face_edges: IntArray,
     "Controlling Quadric Error Simplification with Line Quadrics", Computer Graphics Forum 44(5), 2025.
     """
     n = len(vertices)
-    total, normals, areas = np.zeros((n, 10)), np.zeros((n, 3)), np.zeros(n)
+    total = np.zeros((n, 10))
+    _add_all(vertices, faces, face_edges, rim, total, np.zeros((n, 3)), np.zeros(n))
+    return total
+
+
+@njit()
+def _add_all(
+    vertices: FloatArray, faces: IntArray, face_edges: IntArray, rim: np.ndarray, total: FloatArray,
+    normals: FloatArray, areas: FloatArray,
+) -> None:  # fmt: skip
     _add_triangles(vertices, faces, face_edges, rim, total, normals, areas)
     _add_lines(vertices, normals, areas, total)
-    return total
 
 
 @kernel
