@@ -166,7 +166,7 @@ def test_sheets_that_lie_close_are_not_confused() -> None:
     surface = Surface(vertices, faces)
     proxy = decimated(surface, 300)
     # beyond the rim, where above and below meet
-    inner = np.linalg.norm(vertices[:, :2], axis=1) < 0.8
+    inner = np.linalg.norm(vertices[:, :2], axis=1) < 0.7
     normals = proxy.surface.face_normals[proxy.faces][:, 2]
     assert (np.sign(normals) == np.sign(vertices[:, 2]))[inner & (vertices[:, 2] != 0)].all()
 
