@@ -37,11 +37,12 @@ def match(
         ),
     ] = None,
     hints: Annotated[
-        Path | None,
+        list[Path] | None,
         typer.Option(
             "--hints",
             metavar="FILE",
-            help="Landmarks that steer the search: a vertex of X and one of Y a line, from 0, roughly right.",
+            help="What is roughly known, and steers the search: a vertex of X and one of Y a line, from 0; or, given "
+            "twice, landmarks on X and on Y, of which those of equal names belong together.",
         ),
     ] = None,
     landmarks_file: Annotated[
@@ -96,7 +97,7 @@ def match(
     import numpy as np
 
     from qgeo_filters.cli import match_outputs as outputs
-    from qgeo_filters.cli.hints_file import read_pairs
+    from qgeo_filters.cli.hints_file import read_hints
     from qgeo_filters.cli.job import Job
     from qgeo_filters.filters import stages
     from qgeo_filters.matching.hints import Hints
@@ -109,7 +110,7 @@ def match(
     parameters: dict[str, Any] = {
         "normalize": normalize,
         "truth": truth and str(truth),
-        "hints": hints and str(hints),
+        "hints": hints and [str(file) for file in hints],
         "landmarks": landmarks_file and str(landmarks_file),
         "specimen": specimen,
         "frame": frame,
@@ -125,14 +126,14 @@ def match(
         parameters,
         [x, y],
         names=("X", "Y"),
-        inputs=[file for file in (truth, hints, landmarks_file) if file is not None],
+        inputs=[file for file in (truth, *(hints or ()), landmarks_file) if file is not None],
         pictures=(*_PICTURES, *(() if truth is None else _PICTURES_OF_ERRORS)),
         texts=("match_log.md", *written),
     )
     shape_x, shape_y = job.read_given()
     shapes = shape_x, shape_y
     target = None if truth is None else read_truth(truth, shapes[0].n_vertices, shapes[1].n_vertices)
-    landmarks = None if hints is None else Hints.of(*shapes, read_pairs(hints)).landmarks
+    landmarks = Hints.of(*shapes, read_hints(hints, frame)).landmarks if hints else None
     marks = landmarks_file and outputs.landmarks_of_x(landmarks_file, shape_x, specimen, frame)
     whole = not matched_as_part(*shapes, as_part, normalize)
     if not normalize and whole:

@@ -15,8 +15,11 @@ from typer.testing import Result
 
 import qgeo_filters as qg
 from qgeo_filters.caching import cache
+from qgeo_filters.cli.hints_file import read_hints
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.filters import stages
 from qgeo_filters.matching import symmetry
+from qgeo_filters.matching.hints import Hints
 
 Qgeo = Callable[..., Result]
 Loaded = Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]
@@ -238,7 +241,19 @@ def test_hints_from_a_file(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> Non
     assert (arrays["p2p"] == truth).mean() > 0.95
     said = f"landmark 3 (vertex 7 of X, vertex {truth[90]} of Y) contradicts the rest"
     assert content["results"]["explanation"].startswith(said)
-    assert content["parameters"]["hints"] == "hints.csv"
+    assert content["parameters"]["hints"] == ["hints.csv"]
+
+
+def test_hints_from_two_files_of_landmarks(meshes: Path, truth: np.ndarray) -> None:
+    """Of any format and in any order; those of equal names belong together, and a frame is that of the meshes."""
+    x, y = (qg.Surface.read(meshes / path) for path in ("blob.off", "other/blob.off"))
+    here, there = np.array([3, 50, 110]), truth[[110, 3, 50]]
+    qg.write_landmarks(meshes / "x.csv", qg.Landmarks("abc", x.vertices[here]))
+    qg.write_landmarks(meshes / "y.fcsv", qg.Landmarks("cab", y.vertices[there] * [-1, -1, 1], frame="RAS"))
+    found = Hints.of(x, y, read_hints([meshes / "x.csv", meshes / "y.fcsv"], "LPS"))
+    np.testing.assert_array_equal(found.landmarks, np.column_stack([here, truth[here]]))
+    with pytest.raises(ParameterError, match="one of landmarks for X and one for Y, got 3"):
+        read_hints([meshes / "x.csv"] * 3)
 
 
 @pytest.mark.parametrize(
