@@ -15,19 +15,21 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
 from qgeo_filters._deprecation import renamed_parameters
-from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters._typing import FloatArray, IndexArray, RepairOption
 from qgeo_filters.defaults import CURVATURE_WEIGHT
-from qgeo_filters.errors import ParameterError, concerning
+from qgeo_filters.errors import MeshError, ParameterError, concerning
 from qgeo_filters.geodesics.metric import lifted_metric
-from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
+from qgeo_filters.hosts.dispatch import SurfaceLike, surface_and_repair
+from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.matching.correspondence import match
+from qgeo_filters.matching.given_vertices import indices_on_given
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.parallel import default_workers
 from qgeo_filters.spectral.commutative import Normalization, commutative_eigenspectra, spectral_distance
@@ -79,6 +81,7 @@ def compatibility(
     curvature_weight: float = CURVATURE_WEIGHT,
     maps: Sequence[npt.ArrayLike] | None = None,
     normalization: Normalization = "area",
+    repair: RepairOption = "auto",
     workers: int | None = None,
     progress: bool = False,
 ) -> Compatibility:
@@ -99,6 +102,9 @@ def compatibility(
         poses if they have the same faces (poses of one mesh, as in the paper); the maps are found by `match` if not.
     normalization : {"area", "vertices"}
         Of C_XY, see `spectral_distance`.
+    repair : bool, "auto" or "force"
+        Whether poses are made manifold, oriented and one piece first: by default, "auto", those that are not. Maps,
+        those that are given too, are between the vertices that were given, -1 for one that is gone.
     workers : int, optional
         Threads; all cores that the process may use by default.
     progress : bool
@@ -111,20 +117,51 @@ def compatibility(
     MeshError
         See `distance_spectrum` and `match`.
     """
-    poses = []
+    poses, repairs = [], []
     for number, surface in enumerate(surfaces):
         with concerning(f"surfaces[{number}]"):
-            poses.append(as_surface(surface))
+            given_pose, mended = surface_and_repair(surface, repair)
+            poses.append(given_pose if mended is None else mended.surface)
+            repairs.append(mended)
     _check_baselines(len(poses), baselines)
+    first = baselines[0]
     with default_workers(workers):
-        given = _default_maps(poses, baselines[0], progress) if maps is None else maps
+        if maps is None:
+            given: Sequence[npt.ArrayLike] = _default_maps(poses, first, progress)
+        else:
+            given = [_on_repaired(image, repairs[first], repairs[p], p) for p, image in enumerate(maps)]
         spectra = []
         for number, pose in enumerate(poses):
             with concerning(f"surfaces[{number}]"):
                 metric = lifted_metric(pose, curvature_weight=curvature_weight)
                 count = min(k + _SPARE, pose.n_vertices) if isinstance(k, (int, np.integer)) else k
                 spectra.append(distance_spectrum(pose, count, metric, progress=progress))
-    return compatibility_of_spectra(spectra, given, baselines, k=k, normalization=normalization)
+    found = compatibility_of_spectra(spectra, given, baselines, k=k, normalization=normalization)
+    if all(mended is None for mended in repairs):
+        return found
+    return replace(
+        found,
+        maps=tuple(indices_on_given(image, repairs[first], repairs[p]) for p, image in enumerate(found.maps)),
+    )
+
+
+def _on_repaired(image: npt.ArrayLike, of: Repair | None, on: Repair | None, number: int) -> npt.ArrayLike:
+    """A map between given vertices as one between the repaired ones."""
+    if of is None and on is None:
+        return image
+    count = None if of is None else len(of.vertex_of_original)
+    limit = np.iinfo(np.int64).max if on is None else len(on.vertex_of_original)
+    there = checked_indices(image, limit, f"maps[{number}]")
+    if count is not None and len(there) != count:
+        raise ParameterError(
+            f"maps[{number}] must hold a vertex for each of the {count} of the first baseline, got {len(there)}"
+        )
+    there = there if of is None else there[of.origin]
+    there = there if on is None else on.vertex_of_original[there]
+    if (there < 0).any():
+        count = int((there < 0).sum())
+        raise MeshError(f"maps[{number}] leads to vertices that had to go when the pose was repaired ({count} such)")
+    return there
 
 
 def compatibility_of_spectra(

@@ -40,8 +40,8 @@ def match_on_given(found: MatchResult, x: PreparedShape, y: PreparedShape) -> Ma
         found,
         x=x.given,
         y=y.given,
-        p2p=_indices(found.p2p, x.repair, y.repair),
-        inverse=_indices(found.inverse, y.repair, x.repair),
+        p2p=indices_on_given(found.p2p, x.repair, y.repair),
+        inverse=indices_on_given(found.inverse, y.repair, x.repair),
         distortion=_values(found.distortion, x.repair),
         regions_x=_values(found.regions_x, x.repair),
         regions_y=_values(found.regions_y, y.repair),
@@ -67,8 +67,8 @@ def symmetry_on_given(found: Symmetry, x: PreparedShape) -> Symmetry:
     side[x.repair.vertex_of_original < 0] = 0
     return replace(
         found,
-        p2p=_indices(found.p2p, x.repair, x.repair),
-        nearest=_indices(found.nearest, x.repair, x.repair),
+        p2p=indices_on_given(found.p2p, x.repair, x.repair),
+        nearest=indices_on_given(found.nearest, x.repair, x.repair),
         side=frozen(side),
         fixed=_values(found.fixed, x.repair),
         asymmetry=_values(found.asymmetry, x.repair),
@@ -82,7 +82,7 @@ def _values(values: np.ndarray, repair: Repair | None) -> np.ndarray:
     return values if repair is None else frozen(repair.map_back(values))
 
 
-def _indices(images: IndexArray, of: Repair | None, on: Repair | None) -> IndexArray:
+def indices_on_given(images: IndexArray, of: Repair | None, on: Repair | None) -> IndexArray:
     """Given vertex of one shape for each given vertex of another."""
     if on is not None:
         images = np.where(images >= 0, on.origin[np.maximum(images, 0)], -1)

@@ -7,14 +7,17 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.linalg import eigh
 
-from qgeo_filters._typing import FloatArray
+from qgeo_filters._typing import FloatArray, RepairOption
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.matrix import distances
-from qgeo_filters.geodesics.metric import Metric, metric_for
+from qgeo_filters.geodesics.metric import LiftedMetric, Metric, metric_for
 from qgeo_filters.geodesics.operator import DistanceOperator
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
+from qgeo_filters.hosts.repair import Repair
+from qgeo_filters.spectral.given_vertices import spectrum_of_mesh
 from qgeo_filters.spectral.landmarks import farthest_points
 from qgeo_filters.spectral.spectrum import Spectrum, check_areas, check_count
+from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_count
 
 
@@ -26,6 +29,7 @@ def streamed_spectrum(
     landmarks: int = 1000,
     passes: int = 2,
     accuracy: float = 1e-3,
+    repair: RepairOption = "auto",
     workers: int | None = None,
     progress: bool = False,
 ) -> Spectrum:
@@ -51,6 +55,10 @@ def streamed_spectrum(
         Times that the distances are computed, at least 1.
     accuracy, workers, progress
         As in `DistanceOperator`.
+    repair : bool, "auto" or "force"
+        Whether the mesh is repaired first; by default, "auto", if it is not welded or would be refused. Eigenfunctions
+        are on the vertices that were given, see `spectrum_on_given`. With a `LiftedMetric`, which belongs
+        to its surface, "auto" repairs nothing.
 
     Returns
     -------
@@ -70,12 +78,17 @@ def streamed_spectrum(
     decomposition", NeurIPS 2015. Halko, Martinsson, Tropp, "Finding structure with randomness", SIAM Review 53(2),
     2011, sec. 5.5 (the last step, for matrices that are positive).
     """
-    surface = as_surface(surface)
-    chosen = metric_for(surface, metric, "lifted")
-    *_, spectrum = spectrum_by_pass(
-        surface, k, chosen, landmarks=landmarks, passes=passes, accuracy=accuracy, workers=workers, progress=progress
-    )
-    return spectrum
+    if repair == "auto" and isinstance(metric, LiftedMetric):
+        repair = False
+
+    def compute(mesh: Surface, _: Repair | None) -> Spectrum:
+        chosen = metric_for(mesh, metric, "lifted")
+        *__, spectrum = spectrum_by_pass(
+            mesh, k, chosen, landmarks=landmarks, passes=passes, accuracy=accuracy, workers=workers, progress=progress
+        )
+        return spectrum
+
+    return spectrum_of_mesh(surface, repair, compute)
 
 
 def spectrum_by_pass(

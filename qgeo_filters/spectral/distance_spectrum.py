@@ -7,10 +7,13 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from qgeo_filters._deprecation import renamed_parameters
+from qgeo_filters._typing import RepairOption
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import LiftedMetric, Metric, metric_for
-from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
+from qgeo_filters.hosts.dispatch import SurfaceLike
+from qgeo_filters.hosts.repair import Repair
+from qgeo_filters.spectral.given_vertices import spectrum_of_mesh
 from qgeo_filters.spectral.landmarks import landmark_spectrum
 from qgeo_filters.spectral.proxy_spectrum import proxy_spectrum
 from qgeo_filters.spectral.spectrum import (
@@ -56,6 +59,7 @@ def distance_spectrum(
     matrix: Any = None,
     method: str = "graph",
     accuracy: float = 1e-3,
+    repair: RepairOption = "auto",
     workers: int | None = None,
     progress: bool = False,
 ) -> Spectrum:
@@ -84,6 +88,10 @@ def distance_spectrum(
         Distances in this metric, where they are at hand.
     method, accuracy, workers, progress
         How to compute them otherwise, as in `distances`.
+    repair : bool, "auto" or "force"
+        Whether the mesh is repaired first; by default, "auto", if it is not welded or would be refused. Eigenfunctions
+        are on the vertices that were given, see `spectrum_on_given`. With a `LiftedMetric` or a matrix,
+        which belong to their surface, "auto" repairs nothing.
 
     Returns
     -------
@@ -98,7 +106,27 @@ def distance_spectrum(
     ParameterError
         k out of range; landmarks together with a matrix; the metric of another surface.
     """
-    surface = as_surface(surface)
+    if repair == "auto" and (isinstance(metric, LiftedMetric) or matrix is not None):
+        repair = False
+
+    def compute(mesh: Surface, _: Repair | None) -> Spectrum:
+        return _spectrum(mesh, k, metric, mass, landmarks, matrix, method, accuracy, workers, progress)
+
+    return spectrum_of_mesh(surface, repair, compute)
+
+
+def _spectrum(
+    surface: Surface,
+    k: int,
+    metric: Metric | None,
+    mass: Mass,
+    landmarks: Landmarks,
+    matrix: Any,
+    method: str,
+    accuracy: float,
+    workers: int | None,
+    progress: bool,
+) -> Spectrum:
     surface.require_connected("the spectrum of the distances")
     check_count(k, surface.n_vertices)
     check_areas(surface.vertex_areas)

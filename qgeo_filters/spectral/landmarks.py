@@ -10,13 +10,15 @@ import numpy.typing as npt
 from scipy.sparse.linalg import LinearOperator
 
 from qgeo_filters._deprecation import renamed_parameters
-from qgeo_filters._typing import FloatArray, IndexArray
-from qgeo_filters.errors import ParameterError
+from qgeo_filters._typing import FloatArray, IndexArray, RepairOption
+from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.geodesics.metric import LiftedMetric, Metric, metric_for
 from qgeo_filters.geodesics.solver import GeodesicSolver
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
+from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.sampling import farthest_on_edges
 from qgeo_filters.spectral.biharmonic import Product, biharmonic_interpolation
+from qgeo_filters.spectral.given_vertices import spectrum_of_mesh
 from qgeo_filters.spectral.proxies import interpolation_over_proxy
 from qgeo_filters.spectral.spectrum import (
     Mass,
@@ -26,7 +28,8 @@ from qgeo_filters.spectral.spectrum import (
     check_mass,
     spectrum_of_matrix,
 )
-from qgeo_filters.validation import checked_count, checked_indices
+from qgeo_filters.surface import Surface
+from qgeo_filters.validation import checked_count, checked_indices, listed
 
 #: Vertices up to which the interpolation is factorised on the surface itself, and those of the proxy for larger ones.
 FACTORISED_UP_TO, PROXY_VERTICES = 40_000, 10_000
@@ -81,6 +84,7 @@ def landmark_spectrum(
     *,
     method: str = "graph",
     accuracy: float = 1e-3,
+    repair: RepairOption = "auto",
     workers: int | None = None,
     progress: bool = False,
 ) -> Spectrum:
@@ -102,6 +106,10 @@ def landmark_spectrum(
         As in `spectrum_of_matrix`.
     method, accuracy, workers, progress
         As in `distances`.
+    repair : bool, "auto" or "force"
+        Whether the mesh is repaired first; by default, "auto", if it is not welded or would be refused. Eigenfunctions
+        are on the vertices that were given, see `spectrum_on_given`. With a `LiftedMetric`, which belongs
+        to its surface, "auto" repairs nothing.
 
     Returns
     -------
@@ -111,7 +119,33 @@ def landmark_spectrum(
     --------
     landmark_operator : the approximation, its error and its cost.
     """
-    surface = as_surface(surface)
+    if repair == "auto" and isinstance(metric, LiftedMetric):
+        repair = False
+
+    def compute(mesh: Surface, mended: Repair | None) -> Spectrum:
+        there = landmarks
+        if mended is not None and np.ndim(landmarks):
+            given = checked_indices(np.asarray(landmarks), len(mended.vertex_of_original), "landmarks")
+            there = mended.vertex_of_original[given]
+            if (there < 0).any():
+                gone = listed(given[there < 0])
+                raise MeshError(f"landmarks: {gone} had to go when the mesh was repaired ({'; '.join(mended.report)})")
+        return _spectrum(mesh, k, metric, there, mass, method, accuracy, workers, progress)
+
+    return spectrum_of_mesh(surface, repair, compute)
+
+
+def _spectrum(
+    surface: Surface,
+    k: int,
+    metric: Metric | None,
+    landmarks: int | npt.ArrayLike,
+    mass: Mass,
+    method: str,
+    accuracy: float,
+    workers: int | None,
+    progress: bool,
+) -> Spectrum:
     surface.require_connected("the spectrum of the distances")
     check_count(k, surface.n_vertices)
     check_areas(surface.vertex_areas)

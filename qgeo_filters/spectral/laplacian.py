@@ -7,16 +7,19 @@ import robust_laplacian
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator
 
+from qgeo_filters._typing import RepairOption
 from qgeo_filters.cholesky import factorised_spd
-from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
+from qgeo_filters.hosts.dispatch import SurfaceLike
 from qgeo_filters.spectral.deflated_lanczos import largest_eigenpairs
+from qgeo_filters.spectral.given_vertices import spectrum_of_mesh
 from qgeo_filters.spectral.spectrum import Spectrum, check_areas, check_count
+from qgeo_filters.surface import Surface
 
 # Shift below zero, in units of 1 / area: the first eigenvalue is 0 and the next is of the order of 10.
 _SHIFT = 0.1
 
 
-def laplacian_spectrum(surface: SurfaceLike, k: int = 20) -> Spectrum:
+def laplacian_spectrum(surface: SurfaceLike, k: int = 20, *, repair: RepairOption = "auto") -> Spectrum:
     r"""Spectrum of the Laplace-Beltrami operator: the k smallest eigenvalues, increasing, the constant one included.
 
     Solves :math:`L \phi = \lambda M \phi` with the intrinsic Delaunay cotangent matrix and lumped areas of
@@ -29,6 +32,9 @@ def laplacian_spectrum(surface: SurfaceLike, k: int = 20) -> Spectrum:
         In one piece.
     k : int
         Number of eigenpairs.
+    repair : bool, "auto" or "force"
+        Whether the mesh is repaired first; by default, "auto", if it is not welded or would be refused. Eigenfunctions
+        are on the vertices that were given, see `spectrum_on_given`.
 
     Returns
     -------
@@ -46,7 +52,10 @@ def laplacian_spectrum(surface: SurfaceLike, k: int = 20) -> Spectrum:
     ----------
     Sharp and Crane, "A Laplacian for nonmanifold triangle meshes", SGP 2020.
     """
-    surface = as_surface(surface)
+    return spectrum_of_mesh(surface, repair, lambda mesh, _: _spectrum(mesh, k))
+
+
+def _spectrum(surface: Surface, k: int) -> Spectrum:
     surface.require_connected("the spectrum of the Laplacian")
     n = surface.n_vertices
     check_count(k, n)

@@ -1,0 +1,62 @@
+"""Spectra of meshes with something wrong, on the vertices that were given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from qgeo_filters._typing import RepairOption
+from qgeo_filters.errors import MeshError
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
+from qgeo_filters.hosts.repair import Repair, repaired_within
+from qgeo_filters.repair.triangle_soup import most_lost
+from qgeo_filters.spectral.spectrum import Spectrum
+from qgeo_filters.surface import Surface
+from qgeo_filters.validation import checked_repair, frozen
+
+
+def spectrum_of_mesh(
+    surface: SurfaceLike, repair: RepairOption, compute: Callable[[Surface, Repair | None], Spectrum]
+) -> Spectrum:
+    """What ``compute`` gives for a surface and the repair that it comes from, on the vertices that were given.
+
+    Parameters
+    ----------
+    surface : Surface, or whatever `as_surface` takes
+    repair : bool, "auto" or "force"
+        With "auto" the mesh is repaired if it is not welded, or ``compute`` refuses it as it is.
+    compute : callable
+    """
+    if not checked_repair(repair):
+        return compute(as_surface(surface), None)
+    refusal = None
+    if repair == "auto":
+        try:
+            given = as_surface(surface)
+            if not given.unwelded_vertices.size:
+                return compute(given, None)
+        except MeshError as error:
+            refusal = error
+    found = repaired_within(surface, most_lost(repair))
+    if refusal is not None and not found.changed:
+        raise refusal
+    return spectrum_on_given(compute(found.surface, found), found)
+
+
+def spectrum_on_given(spectrum: Spectrum, repair: Repair) -> Spectrum:
+    """The spectrum of ``repair.surface`` for the vertices of ``repair.given``.
+
+    Returns
+    -------
+    Spectrum
+        Eigenfunctions are NaN and the area 0 where a vertex is gone. Vertices that were joined share the area of the
+        one that stands for them, so that eigenfunctions stay orthonormal over those that are left.
+    """
+    place = repair.vertex_of_original
+    there = place >= 0
+    sharing = np.bincount(place[there], minlength=len(repair.origin))
+    areas = np.zeros(len(place))
+    areas[there] = (spectrum.areas / np.maximum(sharing, 1))[place[there]]
+    return replace(spectrum, eigenfunctions=frozen(repair.map_back(spectrum.eigenfunctions)), areas=frozen(areas))
