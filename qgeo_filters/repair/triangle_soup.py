@@ -14,7 +14,7 @@ import numpy.typing as npt
 from qgeo_filters import connectivity
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray, RepairOption
 from qgeo_filters.equal_rows import equal_rows, occurring
-from qgeo_filters.errors import MeshError
+from qgeo_filters.errors import DisconnectedError, MeshError
 from qgeo_filters.io.raw_mesh import RawMesh, counted
 from qgeo_filters.repair.copies import without_copies
 from qgeo_filters.repair.manifold import consistent_flips, split_into_fans
@@ -209,8 +209,9 @@ def _check_loss(of_area: float, of_faces: float, sizes: IndexArray, most: float,
     if of_area <= most and (of_faces <= _MOST_FACES_LOST or of_faces <= most):
         return
     lost = f"{100 * of_area:.3g} % of the area" if of_area > most else f"{100 * of_faces:.3g} % of the faces"
-    pieces = f"; there are {len(sizes)} pieces, of {listed(sizes)} faces" if len(sizes) > 1 else ""
-    raise MeshError(
+    several = len(sizes) > 1
+    pieces = f"; one piece is needed, and there are {len(sizes)} pieces, of {listed(sizes)} faces" if several else ""
+    raise (DisconnectedError if several else MeshError)(
         f"repair would remove {lost} ({'; '.join(report)}){pieces}; pass the piece that is meant, or repair='force' "
         "to take what is left"
     )

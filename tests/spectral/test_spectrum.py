@@ -235,4 +235,7 @@ def test_pieces_and_loose_vertices_are_refused():
     apart = Surface(np.vstack([vertices, vertices + 3]), np.vstack([faces, faces + len(vertices)]))
     for surface in (loose, apart):
         with pytest.raises(DisconnectedError, match="2 pieces"):
-            distance_spectrum(surface, 3)
+            distance_spectrum(surface, 3, repair=False)
+    assert np.isnan(distance_spectrum(loose, 3).eigenfunctions[-1]).all()
+    with pytest.raises(DisconnectedError, match="one piece is needed, and there are 2 pieces, of 32, 32 faces"):
+        distance_spectrum(apart, 3)
