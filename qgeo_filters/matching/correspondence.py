@@ -84,7 +84,8 @@ def match(
         prepared shapes where a shape takes part in several matches: all that belongs to one shape is computed once.
     normalize : bool
         Whether to compare shapes regardless of size. If not, and their areas differ by more than a tenth, they are
-        refused.
+        refused, or one is matched as a part. A part may be up to about a quarter smaller or larger than it should be;
+        where sizes are right, say so with False: that is quicker, and surer.
     repair : bool, "auto" or "force"
         Whether shapes are made manifold, oriented and one piece first: by default, "auto", those that are not (see
         `surface_and_repair`); the result says in ``repairs`` what was changed. It is on the vertices that were given,
@@ -147,7 +148,7 @@ def match(
                 raise ParameterError(
                     "landmarks and labels do not steer partial matches yet: leave them out, or partial"
                 )
-            result = match_on_given(partial_match(problem), problem.x, problem.y)
+            result = match_on_given(partial_match(problem, normalize=normalize), problem.x, problem.y)
             return (result, result.log) if log else result
         if not normalize:
             check_same_size(problem.x.surface, problem.y.surface, problem.parameters.same_area)

@@ -8,10 +8,12 @@ from shapes import bent, creature, crooked, icosphere
 
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.evaluation import geodesic_error
+from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.partial.distance_bounds import added_costs, distance_bounds, profile_costs, violations
 from qgeo_filters.matching.partial.part_shape import PartShape
+from qgeo_filters.matching.partial.partial_match import matched_as_part
 from qgeo_filters.matching.partial.partial_parameters import PartialParameters
 from qgeo_filters.surface import Surface
 
@@ -27,6 +29,11 @@ def cut(surface: Surface, kept: np.ndarray) -> tuple[Surface, np.ndarray]:
     label = piece.components[1]
     piece, again = piece.submesh(label == np.bincount(label).argmax())
     return piece, numbers[again]
+
+
+def as_part(x: Surface, y: Surface) -> MatchResult:
+    """One matched as a part of the other, of the size that it has."""
+    return match(x, y, partial=True, normalize=False)
 
 
 def error(found: MatchResult, truth: np.ndarray) -> float:
@@ -49,7 +56,7 @@ def front() -> tuple[Surface, np.ndarray]:
 @pytest.fixture(scope="module")
 def found(front: tuple[Surface, np.ndarray]) -> MatchResult:
     """The front half on the whole."""
-    return match(front[0], whole(), partial=True)
+    return as_part(front[0], whole())
 
 
 def test_a_part_goes_where_it_was_cut_from(found: MatchResult, front: tuple[Surface, np.ndarray]) -> None:
@@ -74,7 +81,7 @@ def test_what_was_cut_away_has_no_partner(found: MatchResult, front: tuple[Surfa
 
 def test_the_other_way_round(found: MatchResult, front: tuple[Surface, np.ndarray]) -> None:
     """Y a part of X: the same map, from the other side."""
-    other = match(whole(), front[0], partial=True)
+    other = as_part(whole(), front[0])
     np.testing.assert_array_equal(other.p2p, found.inverse)
     np.testing.assert_array_equal(other.inverse, found.p2p)
     assert other.overlap_x == found.overlap_y
@@ -92,12 +99,46 @@ def test_neither_numbering_nor_place_matters(found: MatchResult, front: tuple[Su
     turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
     turn *= np.linalg.det(turn)
     moved = Surface(part.vertices[order] @ turn.T + [3, -40, 8], np.argsort(order)[part.faces[faces]])
-    again = match(moved, whole(), partial=True)
+    again = as_part(moved, whole())
     # Near ties fall with the last digits.
     assert geodesic_error(again.p2p, found.p2p[order], whole()).mean() < 0.002
     assert again.confident == found.confident
-    repeated = match(part, whole(), partial=True)
+    repeated = as_part(part, whole())
     np.testing.assert_array_equal(repeated.p2p, found.p2p)
+
+
+def test_a_part_of_another_size(front: tuple[Surface, np.ndarray]) -> None:
+    """At nearly seven eighths of its size it would fit elsewhere; where sizes do not count its own is found."""
+    part, truth = front
+    small = Surface(0.85 * part.vertices, part.faces)
+    found = match(small, whole(), partial=True)
+    assert error(found, truth) < 0.03
+    assert found.overlap_y == pytest.approx(part.area / whole().area, abs=0.05)
+
+
+@pytest.mark.slow
+def test_a_part_is_found_where_the_whole_match_is_not_sure(front: tuple[Surface, np.ndarray]) -> None:
+    part, truth = front
+    found = match(part, whole())
+    assert found.confident, found.explanation
+    assert error(found, truth) < 0.03
+    assert found.overlap_y < 0.8
+    entire = match(part, whole(), partial=False)
+    assert not entire.confident
+    assert (entire.p2p >= 0).all()
+    assert entire.overlap_x == entire.overlap_y == 1.0
+
+
+def test_sizes_say_who_is_a_part() -> None:
+    body = whole()
+    part, _ = cut(body, body.vertices[:, 1] > -0.25)
+    assert matched_as_part(part, body, "auto", normalize=False)
+    assert matched_as_part(body, part, "auto", normalize=False)
+    assert not matched_as_part(part, body, "auto", normalize=True)
+    assert not matched_as_part(part, body, False, normalize=False)
+    larger = Surface(3 * body.vertices, body.faces)
+    assert not matched_as_part(body, larger, "auto", normalize=False)  # both are closed
+    assert matched_as_part(body, larger, True, normalize=True)
 
 
 def test_a_mirrored_part_is_not_trusted() -> None:
@@ -105,15 +146,15 @@ def test_a_mirrored_part_is_not_trusted() -> None:
     body = Surface(*crooked(1))
     part, _ = cut(body, body.vertices[:, 2] > -0.2)
     mirrored = Surface(part.vertices * [-1, 1, 1], part.faces[:, ::-1])
-    assert not match(mirrored, body, partial=True).confident
-    same = match(part, body, partial=True)
+    assert not as_part(mirrored, body).confident
+    same = as_part(part, body)
     assert same.confident, same.explanation
 
 
 def test_a_piece_of_a_sphere_fits_everywhere() -> None:
     sphere = Surface(*icosphere(3))
     part, _ = cut(sphere, sphere.vertices[:, 2] > -0.3)
-    found = match(part, sphere, partial=True)
+    found = as_part(part, sphere)
     assert not found.confident
     assert found.explanation
 
@@ -138,8 +179,6 @@ def test_bounds_hold_on_a_cut() -> None:
     least, most = distance_bounds(shape, 40)
     entire = PartShape(body, 1.0, body.n_vertices, 5, PartialParameters())
     points = numbers[shape.fps]
-    from qgeo_filters.geodesics.matrix import distances
-
     there = distances(entire.surface, points)[:, points]
     # The rim is measured along edges, which is too far by some per cent.
     assert violations(0.9 * least, 1.002 * most, there).max() < 1e-3

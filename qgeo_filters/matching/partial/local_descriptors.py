@@ -8,6 +8,8 @@ from qgeo_filters._typing import IndexArray, SingleArray
 from qgeo_filters.matching.partial.part_shape import PartShape
 
 _LEAST_AREA = 1e-9
+# Radius of a ball whose area can be told from its vertices, in mean edges.
+_EDGES = 3.0
 
 
 def descriptor_costs(x: PartShape, y: PartShape) -> SingleArray:
@@ -30,7 +32,8 @@ def descriptor_costs(x: PartShape, y: PartShape) -> SingleArray:
 def ball_agreement(x: PartShape, y: PartShape, places: IndexArray) -> float:
     """Agreement of the areas of balls that do not reach the rim with those around the images, 1 if they are equal.
 
-    One minus half the mean squared difference of their logarithms over their variance at each radius.
+    One minus half the mean squared difference of their logarithms over their variance at each radius, of those that
+    several edges span.
 
     Parameters
     ----------
@@ -38,7 +41,9 @@ def ball_agreement(x: PartShape, y: PartShape, places: IndexArray) -> float:
         Of the images of X's first farthest points among Y's.
     """
     points = x.fps[: len(places)]
-    inside = np.array(x.given.ball_radii) <= x.rim[points][:, None]
+    radii = np.array(x.given.ball_radii)
+    coarsest = max(x.surface.edge_lengths.mean(), y.surface.edge_lengths.mean())
+    inside = (radii <= x.rim[points][:, None]) & (radii > _EDGES * coarsest)
     here, there = np.log(x.balls[: len(places)]), np.log(y.balls[places])
     squares = variance = 0.0
     for one, other, told in zip(here.T, there.T, inside.T, strict=True):

@@ -38,6 +38,7 @@ class PlacedPart:
     agreement : float
         Correlation of the areas of balls that no cut has changed with those around the images.
     cost : float
+        Product of the above; distances as fractions of the part's size, so that it can be compared between sizes.
     number : int
         In the log.
     """
@@ -85,7 +86,7 @@ class PartChoice:
         placed = sorted(self._placed(self._competing()), key=lambda p: p.cost)
         best = placed[0]
         self.log.choose(best.number)
-        apart = [p for p in placed[1:] if self._gap(p.map.p2p, best.map.p2p) > self.given.apart]
+        apart = [p for p in placed[1:] if images_apart(self.y, p.map.p2p, best.map.p2p) > self.given.apart]
         if not apart:
             return PartDecision(best, np.inf, np.inf)
         return PartDecision(best, apart[0].cost / best.cost, apart[0].distortion)
@@ -105,7 +106,7 @@ class PartChoice:
                 self.log.drop(number, "reverses the orientation")
                 continue
             bound = min(bound, given.registered_ratio * c.distortion + given.registered_slack)
-            like = next((n for n, k in kept if self._gap(k.p2p, c.p2p) < given.same), None)
+            like = next((n for n, k in kept if images_apart(self.y, k.p2p, c.p2p) < given.same), None)
             if like is not None:
                 self.log.drop(number, f"the same map as #{like}")
             elif c.distortion > bound:
@@ -141,7 +142,7 @@ class PartChoice:
             * (torn + given.least_torn)
             * (folded + given.least_folded)
             * (unlikeness + given.least_unlikeness)
-            * float(np.sqrt(max(distortion, given.least_distortion)))
+            * float(np.sqrt(max(distortion, given.least_distortion) / np.sqrt(x.area)))
         )
         agreement = ball_agreement(x, y, place)
         self.log.note(
@@ -150,10 +151,11 @@ class PartChoice:
         )  # fmt: skip
         return PlacedPart(part, strain, torn, folded, distortion, unlikeness, turned, agreement, cost, number)
 
-    def _gap(self, one: IndexArray, other: IndexArray) -> float:
-        """Mean distance on Y between the images of two maps, nearly."""
-        rows = self.y.rows[: self.given.gap_rows]
-        return float(np.abs(rows[:, one] - rows[:, other]).max(axis=0).mean())
+
+def images_apart(y: PartShape, one: IndexArray, other: IndexArray) -> float:
+    """Mean distance on Y between the images of two maps of the same points, nearly."""
+    rows = y.rows[: y.given.gap_rows]
+    return float(np.abs(rows[:, one] - rows[:, other]).max(axis=0).mean())
 
 
 def _torn(x: PartShape, y: PartShape, p2p: IndexArray) -> float:

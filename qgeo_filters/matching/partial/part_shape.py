@@ -54,6 +54,17 @@ class PartShape:
         self.surface = Surface((coarse.vertices - self.centre) / unit, coarse.faces)
         self._count = min(points, self.surface.n_vertices)
 
+    def resized(self, ratio: float) -> PartShape:
+        """The same shape, so many times as large; distances are not computed again."""
+        other = PartShape.__new__(PartShape)
+        other.full, other.unit, other.given = self.full, self.unit / ratio, self.given
+        other.proxy, other.centre, other._count = self.proxy, self.centre, self._count
+        other.surface = Surface(self.surface.vertices * ratio, self.surface.faces)
+        other.__dict__.update(
+            fps=self.fps, rim=self.rim * ratio, rows=self.rows * np.float32(ratio), laplacian=self.laplacian
+        )
+        return other
+
     @property
     def n_vertices(self) -> int:
         """Number of vertices that are worked on."""

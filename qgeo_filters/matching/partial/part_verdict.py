@@ -40,6 +40,11 @@ def part_verdict(
             f"{what} must be stretched or folded to lie there (strain {best.strain:.2f}, folded "
             f"{100 * best.folded:.1f} %)"
         )
+    if best.unlikeness > given.settled_unlikeness:
+        return False, (
+            f"{what} would lie among surroundings that are not like its own (they differ by {best.unlikeness:.3f}, "
+            f"right ones by less than {given.settled_unlikeness:g})"
+        )
     if decision.margin < given.margin:
         return False, (
             f"{what} fits nearly as well elsewhere (at {decision.margin:.2f} times the cost): the shape looks alike in "

@@ -13,9 +13,9 @@ from qgeo_filters.matching.maps.functional_map import functional_map
 from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.parameters import MatchingParameters
-from qgeo_filters.matching.partial.distance_bounds import violations
+from qgeo_filters.matching.partial.distance_bounds import distance_bounds, violations
 from qgeo_filters.matching.partial.overlap import Overlap, in_faces_of, overlap, vertices_of
-from qgeo_filters.matching.partial.part_choice import PartChoice, PartDecision
+from qgeo_filters.matching.partial.part_choice import PartChoice, PartDecision, images_apart
 from qgeo_filters.matching.partial.part_shape import PartShape
 from qgeo_filters.matching.partial.part_verdict import part_verdict
 from qgeo_filters.matching.partial.partial_parameters import PartialParameters
@@ -26,13 +26,17 @@ from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
 
 
-def partial_match(problem: MatchProblem, *, given: PartialParameters | None = None) -> MatchResult:
+def partial_match(
+    problem: MatchProblem, *, normalize: bool = False, given: PartialParameters | None = None
+) -> MatchResult:
     """Map from X to Y where one is a part of the other: with a rim where it was cut, and of smaller area.
 
     Parameters
     ----------
     problem : MatchProblem
         Shapes in one unit of length.
+    normalize : bool
+        Whether the part may be of another size, up to about a quarter smaller or larger: several are tried.
     given : PartialParameters, optional
 
     Returns
@@ -52,7 +56,7 @@ def partial_match(problem: MatchProblem, *, given: PartialParameters | None = No
     x_is_part = part_is_x(problem.x.full, problem.y.full)
     part, whole = (problem.x, problem.y) if x_is_part else (problem.y, problem.x)
     pair = _Pair.of(part, whole, chosen)
-    decision = PartChoice(pair.part, pair.whole, problem.log).decide()
+    pair, decision = _sized(pair, problem.log) if normalize else (pair, _decided(pair, problem.log))
     return _described(problem, pair, decision, x_is_part)
 
 
@@ -120,9 +124,58 @@ class _Pair:
     def of(cls, part: PreparedShape, whole: PreparedShape, given: PartialParameters) -> _Pair:
         unit = float(np.sqrt(whole.full.area))
         return cls(
-            PartShape(_outside_out(part), unit, given.part_vertices, given.part_points, given),
+            _part_shape(part, unit, given),
             PartShape(_outside_out(whole), unit, given.whole_vertices, given.whole_points, given),
         )
+
+
+def _decided(pair: _Pair, log: MatchLog) -> PartDecision:
+    return PartChoice(pair.part, pair.whole, log).decide()
+
+
+def _sized(pair: _Pair, log: MatchLog) -> tuple[_Pair, PartDecision]:
+    """The cheapest place of the part at several sizes, and there again at the size that distances along the map tell.
+
+    Its margin is also that over different places at other sizes.
+    """
+    given = pair.part.given
+    tried: list[tuple[_Pair, PartDecision, MatchLog]] = []
+
+    def tried_at(part: PartShape) -> None:
+        own = MatchLog()
+        tried.append((_Pair(part, pair.whole), _decided(_Pair(part, pair.whole), own), own))
+
+    for size in given.sizes:
+        if size == 1 or pair.part.area * size**2 < given.most_area:
+            tried_at(pair.part.resized(size))
+    best = min(tried, key=lambda t: t[1].best.cost)
+    size = _relative_size(best[0], best[1])
+    if abs(np.log(size)) > np.log(given.same_size):
+        tried_at(best[0].part.resized(size))
+        best = min(tried, key=lambda t: t[1].best.cost)
+    chosen, decision, own = best
+    log.maps = own.maps
+    here = decision.best.map.p2p
+    apart = [d.best for _, d, _ in tried if images_apart(pair.whole, d.best.map.p2p, here) > given.apart]
+    rival = min(apart, key=lambda p: p.cost, default=None)
+    if rival is not None and rival.cost < decision.margin * decision.best.cost:
+        decision = PartDecision(decision.best, rival.cost / decision.best.cost, rival.distortion)
+    return chosen, decision
+
+
+def _part_shape(part: PreparedShape, unit: float, given: PartialParameters) -> PartShape:
+    return PartShape(_outside_out(part), unit, given.part_vertices, given.part_points, given)
+
+
+def _relative_size(pair: _Pair, decision: PartDecision) -> float:
+    """How many times the size of the part its image is, by distances that no cut has changed; 1 if there are none."""
+    part, whole, p2p = pair.part, pair.whole, decision.best.map.p2p
+    points = part.fps[: part.given.coarse_points]
+    least, most = distance_bounds(part, len(points))
+    place = whole.rows[:, p2p[points]].argmin(axis=0)
+    there = whole.rows[place][:, p2p[points]]
+    told = (least >= most) & (most > part.given.least_distance)
+    return float(np.median(there[told] / most[told])) if told.any() else 1.0
 
 
 def _outside_out(shape: PreparedShape) -> Surface:
