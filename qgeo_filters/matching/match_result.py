@@ -12,10 +12,9 @@ import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
-from qgeo_filters.geodesics.pairs import paired_distances
-from qgeo_filters.hosts.repair import repaired_within
 from qgeo_filters.io.landmarks import Landmarks
 from qgeo_filters.matching import map_files, map_landmarks, map_transfer
+from qgeo_filters.matching.map_errors import map_errors
 from qgeo_filters.matching.maps.barycentric import BarycentricMap, nearest_around
 from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.match_story import story
@@ -247,15 +246,8 @@ class MatchResult:
         target = checked_indices(truth, self.y.n_vertices, "truth", missing=True)
         if len(target) != len(self.p2p):
             raise ParameterError(f"truth must hold a vertex for each of the {len(self.p2p)} of X, got {len(target)}")
-        y, images = self.y, self.p2p
-        if any(line.startswith("Y: ") for line in self.repairs):  # distances are those on what was matched
-            repair = repaired_within(y, 1.0)
-            y, place = repair.surface, repair.vertex_of_original
-            images, target = (np.where(v >= 0, place[np.maximum(v, 0)], -1) for v in (images, target))
-        known = (target >= 0) & (images >= 0)
-        errors = np.full(len(target), np.nan)
-        errors[known] = paired_distances(y, images[known], target[known], workers=workers) / np.sqrt(y.area)
-        return errors
+        repaired = any(line.startswith("Y: ") for line in self.repairs)
+        return map_errors(self.y, self.p2p, target, repaired, workers)
 
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write a table with a row for each vertex of X.

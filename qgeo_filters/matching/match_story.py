@@ -22,7 +22,12 @@ def story(found: MatchResult) -> str:
     lines += [f"  repaired: {sentence}" for sentence in found.repairs]
     shares = {"X": np.mean(found.p2p < 0), "Y": np.mean(found.inverse < 0)}
     without = [f"{100 * share:.1f} % of the vertices of {name}" for name, share in shares.items() if share]
-    return "\n".join([*lines, f"  no partner: {' and '.join(without)}"] if without else lines)
+    if without:
+        lines.append(f"  no partner: {' and '.join(without)}")
+    if found.repairs:
+        many = "s" * (len(found.repairs) > 1)
+        lines.append(f"  repaired before: {len(found.repairs)} change{many}, see repairs")
+    return "\n".join(lines)
 
 
 def _largest(distortion: np.ndarray) -> float:

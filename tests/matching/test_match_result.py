@@ -277,6 +277,24 @@ def test_error_where_nothing_is_known(part: MatchResult) -> None:
         part.error([162] * 642)
 
 
+def test_error_on_a_target_that_needs_repair(found: MatchResult) -> None:
+    """A soup of triangles, and a fin on an edge: the distances are those of the surface that is meant."""
+    random = np.random.default_rng(6)
+    truth = random.integers(162, size=found.x.n_vertices)
+    expected = found.error(truth)
+    faces = found.y.faces
+    soup = qg.Surface(found.y.vertices[faces.ravel()], np.arange(faces.size).reshape(-1, 3))
+    corner = np.array([np.flatnonzero(faces.ravel() == vertex)[-1] for vertex in range(162)])  # any of its copies
+    a, b = faces[0, :2]
+    finned = qg.Surface(np.vstack([found.y.vertices, [[0, 0, 0]]]), np.vstack([faces, [[a, b, 162]]]))
+    for repairs in ((), ("Y: something",)):
+        torn = replace(found, y=soup, p2p=corner[found.p2p], repairs=repairs)
+        np.testing.assert_allclose(torn.error(corner[truth]), expected, rtol=2e-3, atol=1e-9)
+    errors = replace(found, y=finned, repairs=("Y: something",)).error(truth)
+    np.testing.assert_allclose(errors, expected, rtol=2e-3, atol=1e-9)
+    assert np.isfinite(replace(found, y=finned).error(truth)).all()
+
+
 def test_distances_of_pairs_are_held_in_pieces(found: MatchResult) -> None:
     random = np.random.default_rng(3)
     one, other = random.integers(162, size=(2, 400))
@@ -377,6 +395,8 @@ def test_repr_tells_the_story(found: MatchResult, part: MatchResult) -> None:
     told = repr(part).splitlines()[-1]
     share_x, share_y = (100 * np.mean(images < 0) for images in (part.p2p, part.inverse))
     assert told == f"  no partner: {share_x:.1f} % of the vertices of X and {share_y:.1f} % of the vertices of Y"
+    mended = replace(part, repairs=("X: 2 faces removed",))
+    assert repr(mended).splitlines()[-2:] == [told, "  repaired before: 1 change, see repairs"]
     doubtful = known_match.known(found.x, found.y, found.positions, confident=False, runner_up=np.inf)
     assert "NOT CONFIDENT" in repr(doubtful)
     assert "no other map was proposed" in repr(doubtful)
