@@ -34,10 +34,12 @@ def farthest_on_edges(edges: IntArray, lengths: FloatArray, n: int, count: int, 
     That is enough to spread by, and costs far less than geodesics. Vertices that no way reaches are farthest of all.
     """
     a, b = edges.T
-    graph = sparse.csr_matrix((lengths, (a, b)), shape=(n, n))
+    ends = np.concatenate([a, b]), np.concatenate([b, a])
+    graph = sparse.csr_matrix((np.tile(lengths, 2), ends), shape=(n, n))
 
     def row(point: int, limit: float) -> FloatArray:
-        return dijkstra(graph, directed=False, indices=[point], limit=limit)[0]
+        # Both ways are stored: an undirected search would put them together anew for each point.
+        return dijkstra(graph, directed=True, indices=[point], limit=limit)[0]
 
     return _farthest(row, n, count, start)
 

@@ -67,10 +67,12 @@ def proxy_spectrum(
 
     Notes
     -----
-    In the surface's own metric the span of the first twenty eigenfunctions is off by the sine of an angle of
-    .001 to .01, besides what the landmarks miss. The scalar of a lifted metric is averaged around each vertex of the
-    proxy: what it does within the proxy's triangles, the noise of a scan above all, lengthens no way there, though
-    it does on the surface itself, the more the finer that is.
+    In the surface's own metric the error falls with the area of the proxy's triangles: measured on a person, the span
+    of the first twenty eigenfunctions is off by a sine of .034 with 5000 vertices, that of the first ten by .006. The
+    scalar of a lifted metric is averaged around each vertex of the proxy: what it does within the proxy's triangles,
+    the noise of a scan above all, lengthens no way there, though it does on the surface itself, the more the finer
+    that is. So this is **another spectrum** where the scalar is rough (a sine of .2 for the first ten, with the mean
+    curvature at its default weight); take landmarks there, as `distance_spectrum` does.
     """
     surface = as_surface(surface)
     surface.require_connected("the spectrum of the distances")

@@ -244,3 +244,22 @@ def test_no_reason_is_empty() -> None:
 def test_a_report_of_names_that_are_no_text(tmp_path: Path) -> None:
     html.write_report(tmp_path / "report.html", "caf\udce9")
     assert r"<h1>caf\udce9</h1>" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_landmarks_are_auto_all_or_a_number(qgeo: Qgeo) -> None:
+    result = qgeo("spectrum", "blob.off", "--landmarks", "many")
+    assert (result.exit_code, result.stderr) == (2, "qgeo: --landmarks must be auto, all or a number, got 'many'\n")
+    for said, source in (("auto", "all distances"), ("all", "all distances"), ("60", "60 landmarks")):
+        result = qgeo("spectrum", "blob.off", "-k", "4", "--no-pictures", "--json", "--landmarks", said)
+        assert json.loads(result.stdout)["results"]["from"] == source
+
+
+def test_a_matrix_that_does_not_fit_names_the_options(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("qgeo_filters.memory.available_memory", lambda: 1000)
+    qg.cache.clear()
+    result = qgeo("distances", "blob.off")
+    assert result.exit_code == 2
+    assert result.stderr.startswith("qgeo: not enough memory: ")
+    assert "the distances between all 162 vertices would take 0.000105 GB, and 1e-06 GB of memory" in result.stderr
+    assert "--matrix" in result.stderr
+    assert "out=" not in result.stderr

@@ -13,8 +13,10 @@ from qgeo_filters.caching import StageCache
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.filters import stages
 from qgeo_filters.geodesics import methods
+from qgeo_filters.geodesics.dgg import graph as graphs
 from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.parallel import worker_count
+from qgeo_filters.spectral import landmarks
 
 
 @pytest.fixture
@@ -126,3 +128,23 @@ def test_hints_enter_the_key_however_they_are_written(cache: StageCache, monkeyp
     assert [entry[1] is None for entry in seen] == [True, True, True, False, False]
     with pytest.raises(ParameterError, match="landmark 0 is vertex 42 of Y"):
         qg.Correspondence(target=surface, landmarks=[(0, 42)])(surface)
+
+
+def test_an_interrupted_spectrum_leaves_the_metric_and_its_graph(
+    cache: StageCache, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    surface, made = qg.Surface(*blob(2)), []
+    monkeypatch.setattr(stages, "lifted_metric", lambda *a, **o: made.append("metric") or lifted_metric(*a, **o))
+    graph = graphs.geodesic_graph
+    monkeypatch.setattr(graphs, "geodesic_graph", lambda *a, **o: made.append("graph") or graph(*a, **o))
+
+    def interrupted(*arguments: object, **options: object) -> None:
+        raise KeyboardInterrupt
+
+    descriptor = qg.QuasiGeodesicSpectrum(k=4, landmarks=40)
+    with monkeypatch.context() as during:
+        during.setattr(landmarks, "landmark_operator", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            descriptor.compute(surface)
+    descriptor.compute(surface)
+    assert made == ["metric", "graph"]
