@@ -5,7 +5,8 @@
 ROOT as for ``matching.py``. X is spoilt (see `mesh_messes`) and matched with Y as it is. Errors are those at the
 vertices of X that the tidy mesh has too, in units of sqrt(area) of Y; "without partner" is the share of these that
 got none. FOLDER holds meshes (.off) and ``corres/NAME.vts``, vertices from 1 that belong together row by row, 0 where
-none is known. Seconds are CPU seconds.
+none is known. Seconds are CPU seconds. "Triangles" is the share of the tidy mesh's that are there after the repair.
+With --repair-only nothing is matched, which takes seconds.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 from geodesics_common import cpu, machine
-from mesh_messes import MESSES
+from mesh_messes import MESSES, Messy
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import ToscaRemeshed
@@ -27,30 +28,55 @@ def verdict(found: qg.MatchResult) -> str:
     return "sure" if found.confident else "unsure"
 
 
-def spoilt_rows(root: str, pair: str, names: list[str]) -> None:
+def triangles_back(shape: qg.PreparedShape, messy: Messy, tidy: qg.Surface) -> float:
+    """Share of the tidy mesh's triangles that the repaired one has, whichever side is out."""
+    vertices = messy.origin if shape.repair is None else messy.origin[shape.repair.origin]
+    there = set(map(tuple, np.sort(vertices[shape.full.faces], axis=1).tolist()))
+    return float(np.mean([face in there for face in map(tuple, np.sort(tidy.faces, axis=1).tolist())]))
+
+
+def spoilt_rows(root: str, pair: str, names: list[str], repair_only: bool) -> None:
     """A row for each kind of mess."""
     data = ToscaRemeshed(root)
     one, other = pair.split("-")
     tidy, y = data.read(one), qg.PreparedShape(data.read(other))
     truth = data.truth(one, other).images
-    print(f"\n| X = {one}, Y = {other} | mean error | without partner | verdict | seconds: repair, match | repaired |")
-    print("|---|---|---|---|---|---|")
+    print(f"\n| X = {one}, Y = {other} | triangles | repair, s | repaired | mean error | without partner | match, s |")
+    print("|---|---|---|---|---|---|---|")
     for name in names:
         messy = MESSES[name](np.array(tidy.vertices), np.array(tidy.faces), np.random.default_rng(0))
         mesh = messy.vertices, messy.faces
         try:
             shape, repairing = cpu(lambda mesh=mesh: qg.PreparedShape(mesh))
+            said = "; ".join(shape.repair.report) if shape.repair else "-"
+            row = f"| {name} | {100 * triangles_back(shape, messy, tidy):.2f} % | {repairing:.2f} | {said} |"
+            if repair_only:
+                print(f"{row} | | |", flush=True)
+                continue
             found, matching = cpu(lambda shape=shape: qg.match(shape, y))
         except qg.QgeoError as error:
-            print(f"| {name} | refused: {error} | | | | |", flush=True)
+            print(f"| {name} | | | refused: {error} | | | |", flush=True)
             continue
         known = messy.origin >= 0
         errors = found.error(np.where(known, truth[messy.origin], -1))[known]
         print(
-            f"| {name} | {np.nanmean(errors):.4f} | {100 * np.isnan(errors).mean():.1f} % | {verdict(found)} "
-            f"| {repairing:.2f}, {matching:.1f} | {'; '.join(shape.repair.report) if shape.repair else '-'} |",
+            f"{row} {np.nanmean(errors):.4f}, {verdict(found)} | {100 * np.isnan(errors).mean():.1f} % "
+            f"| {matching:.1f} |",
             flush=True,
         )
+
+
+def real_repairs(folder: Path) -> None:
+    """A row for each mesh of a folder: what is repaired of it."""
+    print(f"\n| {folder.name} | vertices | genus | seconds | repaired |\n|---|---|---|---|---|")
+    for path in sorted(folder.glob("*.off")):
+        try:
+            shape, seconds = cpu(lambda path=path: qg.PreparedShape(path))
+        except qg.MeshError as error:
+            print(f"| {path.stem} | | | | refused: {error} |", flush=True)
+            continue
+        said = "; ".join(shape.repair.report) if shape.repair else "-"
+        print(f"| {path.stem} | {shape.full.n_vertices} | {shape.full.genus} | {seconds:.2f} | {said} |", flush=True)
 
 
 def real_rows(folder: Path, count: int) -> None:
@@ -94,11 +120,14 @@ def main() -> None:
     parser.add_argument("--scape", type=Path, help="folder of SCAPE_a")
     parser.add_argument("--skulls", type=Path, nargs="+", default=[], help="folders of mouse skulls, raw and wrapped")
     parser.add_argument("--count", type=int, default=2, help="pairs of each folder")
+    parser.add_argument("--repair-only", action="store_true", help="match nothing")
     arguments = parser.parse_args()
     print(machine())
-    spoilt_rows(arguments.root, arguments.pair, arguments.messes)
+    spoilt_rows(arguments.root, arguments.pair, arguments.messes, arguments.repair_only)
     for folder in [*([arguments.scape] if arguments.scape else []), *arguments.skulls]:
-        real_rows(folder, arguments.count)
+        real_repairs(folder)
+        if not arguments.repair_only:
+            real_rows(folder, arguments.count)
 
 
 if __name__ == "__main__":
