@@ -181,7 +181,7 @@ def match(
     if csv:
         outputs.save_map_table(job, found)
     if glb:
-        outputs.save_scene(job, found, normalize)
+        outputs.save_scene(job, found, normalize, marks or None)
     draw_match(job, *shapes, found, errors)
     draw_log(job, found.log)
     job.finish([*tables, outputs.files_table(landmarks_file, csv, glb)])

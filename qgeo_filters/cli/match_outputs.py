@@ -83,19 +83,19 @@ def save_map_table(job: Job, found: MatchResult) -> None:
         found.to_csv(temporary)
 
 
-def save_scene(job: Job, found: MatchResult, normalize: bool) -> None:
-    """Write both shapes side by side."""
+def save_scene(job: Job, found: MatchResult, normalize: bool, marks: Landmarks | None) -> None:
+    """Write both shapes side by side, with the landmarks if there are any."""
     from qgeo_filters.report.glb import write_match_glb
 
     with job.stage("scene"), job.file(SCENE) as temporary:
-        write_match_glb(temporary, found, normalize=normalize)
+        write_match_glb(temporary, found, normalize=normalize, landmarks=marks)
 
 
 def files_table(landmarks: Path | None, table: bool, scene: bool) -> Table:
     """What is in the files beside the report."""
     rows = {"result.npz": "all arrays; MatchResult.from_npz reads it"}
     if scene:
-        rows[SCENE] = "both shapes side by side in the colours of the first picture, for any 3D viewer"
+        rows[SCENE] = "both shapes, and landmarks, side by side in the colours of the first picture, for 3D viewers"
     if table:
         rows[MAP_TABLE] = "a row for each vertex of X: its vertex and point on Y, and the distortion"
     if landmarks is not None:

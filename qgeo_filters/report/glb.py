@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from os import PathLike
+from typing import Any
 
 import numpy as np
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.atomic import atomic_write
+from qgeo_filters.io.landmarks import Landmarks
 from qgeo_filters.matching.match_result import MatchResult
-from qgeo_filters.report.colors import MISSING, position_colors
+from qgeo_filters.report.colors import MISSING, ordered_colors, position_colors
 from qgeo_filters.report.maps import view_alike
 from qgeo_filters.report.view import View, best_view
 from qgeo_filters.surface import Surface
 
+_RADIUS = 0.008  # of the ball of a landmark, as a share of the shape's extent
 _GAP = 0.15  # between the shapes, as a share of the wider one
 
 
@@ -27,7 +30,9 @@ def map_colors(found: MatchResult, view_y: View) -> tuple[FloatArray, FloatArray
     )
 
 
-def write_match_glb(path: str | PathLike[str], found: MatchResult, *, normalize: bool = True) -> None:
+def write_match_glb(
+    path: str | PathLike[str], found: MatchResult, *, normalize: bool = True, landmarks: Landmarks | None = None
+) -> None:
     """Write both shapes, at full resolution, as binary glTF with a colour for each vertex.
 
     Parameters
@@ -37,6 +42,8 @@ def write_match_glb(path: str | PathLike[str], found: MatchResult, *, normalize:
         Vertices of X have the colours of their images on Y; those without a partner are grey.
     normalize : bool
         Whether both are drawn in one size, whatever their areas.
+    landmarks : Landmarks, optional
+        Of X: small balls there and at their images on Y, of one colour for each, called ``X NAME`` and ``Y NAME``.
 
     Notes
     -----
@@ -51,25 +58,37 @@ def write_match_glb(path: str | PathLike[str], found: MatchResult, *, normalize:
     colors = map_colors(found, views[1])
     units = np.sqrt(x.area), np.sqrt(y.area if normalize else x.area)
     scene = trimesh.Scene()
-    edges = _beside(x, views[0], units[0], -1.0), _beside(y, views[1], units[1], 1.0)
-    for name, surface, color, placement in zip("XY", (x, y), colors, edges, strict=True):
-        material = trimesh.visual.material.PBRMaterial(
-            name=name, baseColorFactor=[255, 255, 255, 255], metallicFactor=0.0, roughnessFactor=0.8, doubleSided=True
-        )
-        visual = trimesh.visual.TextureVisuals(material=material)
-        visual.vertex_attributes["color"] = _linear_bytes(color)
-        mesh = trimesh.Trimesh(
-            surface.vertices,
-            surface.faces,
-            vertex_normals=surface.vertex_normals,
-            visual=visual,
-            process=False,
-            validate=False,
-        )
+    placements = _beside(x, views[0], units[0], -1.0), _beside(y, views[1], units[1], 1.0)
+    for name, surface, color, placement in zip("XY", (x, y), colors, placements, strict=True):
+        mesh = _colored(surface.vertices, surface.faces, color, surface.vertex_normals)
         scene.add_geometry(mesh, node_name=name, geom_name=f"{name} mesh", transform=placement)
+    if landmarks is not None:
+        for name, surface, marks, placement in zip(
+            "XY", (x, y), (landmarks, found.landmarks(landmarks)), placements, strict=True
+        ):
+            places = np.where(np.isnan(marks.points), surface.vertices[marks.vertices], marks.points)
+            radius = _RADIUS * float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
+            for k, color in enumerate(ordered_colors(len(marks))):
+                if marks.is_known[k]:
+                    ball = trimesh.creation.icosphere(subdivisions=2, radius=radius)
+                    mesh = _colored(ball.vertices + places[k], ball.faces, np.tile(color, (len(ball.vertices), 1)))
+                    called = f"{name} {marks.names[k]}"
+                    scene.add_geometry(mesh, node_name=f"{called} ({k + 1})", geom_name=called, transform=placement)
     content = scene.export(file_type="glb", include_normals=True)
     with atomic_write(path) as file:
         file.write(content)
+
+
+def _colored(vertices: FloatArray, faces: np.ndarray, colors: FloatArray, normals: FloatArray | None = None) -> Any:
+    """Mesh of trimesh's with a dull material and a colour for each vertex."""
+    import trimesh
+
+    material = trimesh.visual.material.PBRMaterial(
+        baseColorFactor=[255, 255, 255, 255], metallicFactor=0.0, roughnessFactor=0.8, doubleSided=True
+    )
+    visual = trimesh.visual.TextureVisuals(material=material)
+    visual.vertex_attributes["color"] = _linear_bytes(colors)
+    return trimesh.Trimesh(vertices, faces, vertex_normals=normals, visual=visual, process=False, validate=False)
 
 
 def _beside(surface: Surface, view: View, unit: float, side: float) -> FloatArray:

@@ -121,6 +121,10 @@ def test_landmarks_tables_and_scenes(qgeo: Qgeo, loaded: Loaded, truth: np.ndarr
     colors = {name: mesh.visual.vertex_attributes["color"] for name, mesh in meshes.items()}
     assert np.abs(colors["X"].astype(int) - colors["Y"][truth]).max() <= 2
     assert len(np.unique(colors["Y"], axis=0)) > 100
+    for name, shape, marks in (("X", x, points), ("Y", y, found.points)):
+        for label, point in zip(MARKS, marks, strict=True):
+            ball = scene.geometry[f"{name} {label}"]
+            np.testing.assert_allclose(ball.vertices.mean(axis=0), point, atol=1e-3 * np.ptp(shape.vertices))
     bounds = {name: scene.geometry[f"{name} mesh"].copy().apply_transform(scene.graph[name][0]).bounds for name in "XY"}
     assert bounds["X"][1, 0] < bounds["Y"][0, 0]
     np.testing.assert_allclose(np.ptp(bounds["X"], axis=0), np.ptp(bounds["Y"], axis=0), rtol=0.3)  # seen alike
