@@ -87,12 +87,12 @@ def match(
 ) -> None:
     """Find the vertex of Y for each vertex of X: two shapes that bend into each other, no initial map.
 
-    result.npz: p2p (n_X,), score, runner_up, inverse (n_Y,), functional_map (20, 20), distortion (n_X,),
-    regions_x (n_X,), regions_y (n_Y,), corners (n_X, 3) and barycentric (n_X, 3), the vertices of a triangle of Y and
-    the place within it, finer than p2p, and errors (n_X,) with --truth. match_log.md: every map that was proposed,
-    what it cost, and which rule dropped it. match.glb: both shapes side by side, for any 3D viewer. With --landmarks
-    also landmarks_Y, in the format of FILE, and landmarks.csv; with --csv map.csv. With --hints also landmarks (k, 2)
-    and landmark_errors (k,), how far the map comes from each, in sqrt(area).
+    result.npz: p2p (n_X,), score, runner_up, inverse (n_Y,), -1 where there is no partner, functional_map (20, 20),
+    distortion (n_X,), regions_x (n_X,), regions_y (n_Y,), corners (n_X, 3) and barycentric (n_X, 3), the vertices
+    of a triangle of Y and the place within it, finer than p2p, and errors (n_X,) with --truth. match_log.md: every
+    map that was proposed, what it cost, and which rule dropped it. match.glb: both shapes side by side, for any 3D
+    viewer. With --landmarks also landmarks_Y, in the format of FILE, and landmarks.csv; with --csv map.csv. With
+    --hints also landmarks (k, 2) and landmark_errors (k,), how far the map comes from each, in sqrt(area).
     """
     import numpy as np
 

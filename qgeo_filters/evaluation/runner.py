@@ -218,7 +218,7 @@ def _measured(
     y.prepare()
     started = time.process_time()
     if what == "match":
-        found = match(x, y)
+        found = match(x, y, partial=False)
         p2p, confident = found.p2p, found.confident
     else:
         symmetry = self_symmetry(x)

@@ -23,7 +23,7 @@ from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.hints import Hints, LabelPair, LandmarkPairs
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.parameters import MatchingParameters
-from qgeo_filters.matching.partial.partial_match import matched_as_part
+from qgeo_filters.matching.partial.partial_match import matched_as_part, may_be_part
 from qgeo_filters.matching.prepared_shape import PreparedShape, check_same_size
 from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
 from qgeo_filters.parallel import default_workers, worker_count
@@ -145,6 +145,8 @@ def correspondence_of(
     """Correspondence of two surfaces, see `match`."""
     hints = Hints.of(x, y, landmarks, labels)
     as_part = matched_as_part(x, y, partial, normalize)
+    if partial == "auto" and not as_part and not may_be_part(x, y):
+        partial = False  # the same match
     if not normalize and not as_part:
         check_same_size(x, y)  # before shapes are prepared
 

@@ -101,7 +101,7 @@ class TransferAttributes(Filter):
         if self.correspondence is False:
             return closest_points(surface.vertices, source)
         if self.correspondence is True:
-            return stages.correspondence_of(surface, source, True, progress).barycentric
+            return stages.correspondence_of(surface, source, True, progress, partial=False).barycentric
         place = self.correspondence.barycentric
         if len(place.faces) != surface.n_vertices or place.faces.max() >= source.n_faces:
             raise MeshError(

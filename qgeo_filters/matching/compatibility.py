@@ -231,7 +231,7 @@ def _default_maps(poses: list[Surface], first: int, progress: bool) -> list[Inde
             continue
         with concerning(f"surfaces[{number}]"):
             shape = PreparedShape(pose, progress=progress)
-        maps.append(match(reference, shape, progress=progress).p2p)
+        maps.append(match(reference, shape, partial=False, progress=progress).p2p)
     return maps
 
 

@@ -103,7 +103,9 @@ class MatchingWidget(ShapeWidget):
 
     def _found(self, progress: bool) -> MatchResult:
         one, other = (shape.surface for shape in self._shapes)
-        return stages.correspondence_of(one, other, True, progress, landmarks=list(self.landmarks) or None)
+        return stages.correspondence_of(
+            one, other, True, progress, partial=False, landmarks=list(self.landmarks) or None
+        )
 
     def _take(self, found: MatchResult) -> None:
         """Show the map that was found."""

@@ -79,13 +79,18 @@ def better_as_part(problem: MatchProblem, found: MatchResult, given: PartialPara
     Tried where the former is not sure, and one shape has a rim and clearly less area in one unit of length.
     """
     chosen = PartialParameters() if given is None else given
-    x, y = problem.x.full, problem.y.full
-    share = x.area / y.area
-    small = x if share <= 1 else y
-    if found.confident or min(share, 1 / share) > chosen.most_area or not len(small.boundary_vertices):
+    if found.confident or not may_be_part(problem.x.full, problem.y.full, chosen):
         return found
     partial = partial_match(replace(problem, log=MatchLog()), given=chosen)
     return partial if partial.confident else found
+
+
+def may_be_part(x: Surface, y: Surface, given: PartialParameters | None = None) -> bool:
+    """Whether the smaller shape has a rim and clearly less area, so that "auto" may take it for a part."""
+    chosen = PartialParameters() if given is None else given
+    share = x.area / y.area
+    small = x if share <= 1 else y
+    return min(share, 1 / share) <= chosen.most_area and len(small.boundary_vertices) > 0
 
 
 def part_is_x(x: Surface, y: Surface) -> bool:
