@@ -26,8 +26,8 @@ from qgeo_filters.evaluation import ToscaRemeshed
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.matching.initialization.sign_search import sign_search
+from qgeo_filters.matching.intrinsic_shape import MetricEmbedding, farthest_rows
 from qgeo_filters.matching.parameters import MatchingParameters
-from qgeo_filters.matching.prepared_shape import MetricEmbedding, farthest_rows
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
 from qgeo_filters.spectral.spectrum import spectrum_of_matrix
@@ -59,7 +59,7 @@ def prepared(surface: Surface, metric: Metric) -> tuple[Any, Any]:
     functions = spectrum.eigenfunctions.astype(np.float32)
     first = spectrum.truncated(FUNCTIONS)
     embedding = MetricEmbedding(weight, spectrum.eigenvalues, functions, first, matrix[fps])
-    shape = SimpleNamespace(embeddings=(embedding,), fps=fps, fps_distances=embedding.fps_distances)
+    shape = SimpleNamespace(embedding=lambda _: embedding, fps=fps, fps_distances=embedding.fps_distances)
     return shape, spectrum
 
 

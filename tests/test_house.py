@@ -54,6 +54,7 @@ FLOORS: list[list[str]] = [
     ["deformation"],
     # matching, in the order of a run
     ["matching.parameters", "matching.match_log", "matching.hints"],
+    ["matching.level", "matching.fine_shape", "matching.intrinsic_shape"],
     ["matching.prepared_shape"],
     ["matching.known_parts"],
     ["matching.problem"],

@@ -14,7 +14,7 @@ from shapes import icosphere
 
 import qgeo_filters as qg
 from qgeo_filters.errors import MeshError, ParameterError
-from qgeo_filters.matching.prepared_shape import farthest_rows
+from qgeo_filters.matching.intrinsic_shape import farthest_rows
 from qgeo_filters.matching.regions import eigenfunction_regions
 from qgeo_filters.sampling import farthest_by_distances, farthest_in_embedding, farthest_on_edges
 

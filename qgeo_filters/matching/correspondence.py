@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Literal, overload
 
 import numpy as np
@@ -9,12 +10,14 @@ from tqdm.auto import tqdm
 
 from qgeo_filters._typing import PartialOption, RepairOption
 from qgeo_filters.errors import ParameterError, concerning
+from qgeo_filters.matching.finish import at_full_resolution, finished
 from qgeo_filters.matching.given_vertices import match_on_given
 from qgeo_filters.matching.hints import LabelPair, LandmarkPairs
 from qgeo_filters.matching.initialization.candidates import Candidate, candidates, mirrored_map
 from qgeo_filters.matching.maps.barycentric import barycentric_map
 from qgeo_filters.matching.maps.functional_map import functional_map
 from qgeo_filters.matching.maps.orientation import orientation
+from qgeo_filters.matching.maps.point_distortion import point_distortions
 from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.parameters import MatchingParameters
@@ -24,6 +27,7 @@ from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.regions import eigenfunction_regions
 from qgeo_filters.matching.selection.decision import Decision, choose_map
 from qgeo_filters.matching.selection.signatures import hks_agreement
+from qgeo_filters.matching.smooth_shells import DenseMap
 from qgeo_filters.matching.symmetry import reflection_of
 from qgeo_filters.matching.verdict import verdict, with_hints, with_sides
 from qgeo_filters.parallel import default_workers, single_threaded_blas
@@ -151,18 +155,18 @@ def match(
             result = match_on_given(partial_match(problem, normalize=normalize), problem.x, problem.y)
             return (result, result.log) if log else result
         if not normalize:
-            check_same_size(problem.x.surface, problem.y.surface, problem.parameters.same_area)
+            check_same_size(problem.x.full, problem.y.full, problem.parameters.same_area)
         with concerning("X"):
             problem.x.prepare()
         _next(bar, "prepare Y")
         with concerning("Y"):
             problem.y.prepare()
         _next(bar, "search")
-        pool, mirrored = competing_candidates(problem)
+        decision, mirrored = chosen_map(problem)
         _next(bar, "register")
-        decision = choose_map(problem.with_mirrored_y() if mirrored else problem, pool)
+        dense = finished(problem.with_mirrored_y() if mirrored else problem, decision.dense)
         _next(bar, "matched")
-        found = _described(problem, decision, mirrored)
+        found = _described(problem, decision, dense, mirrored)
         if partial == "auto" and landmarks is None and labels is None:
             found = better_as_part(problem, found)
         result = match_on_given(found, problem.x, problem.y)
@@ -174,6 +178,42 @@ def _next(bar: tqdm, stage: str) -> None:
     bar.set_description(stage)
 
 
+def chosen_map(problem: MatchProblem) -> tuple[Decision, bool]:
+    """The best map between the coarse shapes, and whether it is one onto the mirror image of Y.
+
+    A quick search first; where it leaves any doubt, all that there is.
+    """
+    if problem.parameters.quick and problem.known is None:  # hints may contradict what seems clear
+        attempt = _first_attempt(problem)
+        if attempt is not None:
+            return attempt, False
+    pool, mirrored = competing_candidates(problem)
+    return choose_map(problem.with_mirrored_y() if mirrored else problem, pool), mirrored
+
+
+def _first_attempt(problem: MatchProblem) -> Decision | None:
+    """The best map that a quick search finds, unless there is any doubt."""
+    given = problem.parameters
+    quick = replace(problem, parameters=given.first_attempt(), log=MatchLog())
+    proposed = candidates(quick)
+    kept = [c for c in proposed if c.orientation > 0]
+    for c in proposed:
+        if c.orientation <= 0:
+            quick.log.drop(c.number, "reverses the orientation")
+    if not kept:
+        return None
+    decision = choose_map(quick, kept)
+    clear = (
+        decision.margin >= given.quick_margin
+        and decision.mean_distortion <= given.quick_distortion
+        and decision.hks_agreement >= given.quick_alike
+    )
+    if not clear:
+        return None
+    problem.log.maps.extend(quick.log.maps)
+    return decision
+
+
 def competing_candidates(problem: MatchProblem) -> tuple[list[Candidate], bool]:
     """Maps that keep the orientation; or those that reverse it, and True, if none of the former keeps distances."""
     x, y, given, log = problem.x, problem.y, problem.parameters, problem.log
@@ -182,9 +222,9 @@ def competing_candidates(problem: MatchProblem) -> tuple[list[Candidate], bool]:
     reversing = [c for c in proposed if c.orientation <= 0]
     if reversing:
         mirror = reflection_of(y, given)
-        other = mirror if mirror.found else reflection_of(x, given)
-        if other.found:
-            kept += [mirrored_map(problem, c, other.nearest, of_y=mirror.found) for c in reversing]
+        other = reflection_of(x, given) if mirror is None else mirror
+        if other is not None:
+            kept += [mirrored_map(problem, c, other, of_y=mirror is not None) for c in reversing]
     mirrored = not kept or (
         # Not one of the maps in the right hand is nearly as good: Y is the mirror image of something asymmetric, or of
         # what the hints say.
@@ -195,29 +235,29 @@ def competing_candidates(problem: MatchProblem) -> tuple[list[Candidate], bool]:
     return (reversing if mirrored else kept), mirrored
 
 
-def _described(problem: MatchProblem, decision: Decision, mirrored: bool) -> MatchResult:
+def _described(problem: MatchProblem, decision: Decision, dense: DenseMap, mirrored: bool) -> MatchResult:
     x, y = problem.x, problem.y
-    dense, p2p = decision.dense, decision.dense.p2p
-    probes = x.fps[: problem.parameters.probes]
-    there = y.distances(p2p[probes])
-    distortion = np.abs(x.fps_distances[: len(probes)] - there[:, p2p]).mean(axis=0, dtype=np.float64)
-    score = float(x.areas @ distortion)
-    turned, alike = orientation(x.unit, y.unit, p2p), hks_agreement(problem, p2p)
+    full = at_full_resolution(problem.with_mirrored_y() if mirrored else problem, dense)
+    p2p = full.p2p
+    distortion = point_distortions(problem, p2p)
+    score = float(x.full_spectrum.areas @ distortion)
+    turned = orientation(x.oriented, y.oriented, p2p)
+    coarse = y.vertex_of_full[p2p[x.full_vertices]]
+    alike = hks_agreement(problem, coarse)
     confident, explanation = verdict(problem.parameters, score, decision.margin, turned, alike, mirrored)
-    confident, explanation = with_hints(problem, p2p, decision.unhinted, confident, explanation)
+    confident, explanation = with_hints(problem, coarse, decision.unhinted, confident, explanation)
     confident, explanation = with_sides({"X": x.winding, "Y": y.winding}, confident, explanation)
-    phi_x, phi_y = x.spectrum.eigenfunctions, y.spectrum.eigenfunctions
-    flip = np.array([-1.0, 1.0, 1.0]) if mirrored else 1.0
-    centre = y.surface.vertex_areas @ y.surface.vertices / y.surface.area
-    positions = dense.positions * flip * y.scale + centre
-    regions_x, regions_y = eigenfunction_regions(phi_x, phi_y, p2p, x.areas)
+    of_x, of_y = x.full_spectrum, y.full_spectrum
+    phi_x, phi_y = of_x.eigenfunctions, of_y.eigenfunctions
+    positions = full.positions * (np.array([-1.0, 1.0, 1.0]) if mirrored else 1.0)
+    regions_x, regions_y = eigenfunction_regions(phi_x, phi_y, p2p, of_x.areas)
     return MatchResult(
         x=x.full,
         y=y.full,
         p2p=frozen(p2p),
-        inverse=frozen(dense.inverse),
-        functional_map=frozen(functional_map(phi_x, phi_y, p2p, x.areas)),
-        c_xy=commutative_eigenspectra(x.spectrum, y.spectrum, p2p).c_xy,
+        inverse=frozen(full.inverse),
+        functional_map=frozen(functional_map(phi_x, phi_y, p2p, of_x.areas)),
+        c_xy=commutative_eigenspectra(of_x, of_y, p2p).c_xy,
         distortion=frozen(distortion),
         score=score,
         runner_up=decision.runner_up,
@@ -231,5 +271,5 @@ def _described(problem: MatchProblem, decision: Decision, mirrored: bool) -> Mat
         positions=frozen(positions),
         barycentric=barycentric_map(positions, p2p, y.full),
         log=problem.log,
-        landmark_errors=frozen(problem.known.landmark_errors(p2p) if problem.known else np.zeros(0)),
+        landmark_errors=frozen(problem.known.landmark_errors(coarse) if problem.known else np.zeros(0)),
     )

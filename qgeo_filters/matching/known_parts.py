@@ -121,20 +121,21 @@ class KnownParts:
 
 
 def working_vertices(shape: PreparedShape, vertices: IndexArray) -> IndexArray:
-    """Vertices of the surface that is matched, for vertices of the one that was given; for a lost one the nearest."""
-    if shape.repair is None:
-        return vertices
-    found = shape.repair.vertex_of_original[vertices]
-    lost = found < 0
-    if lost.any():
-        found = found.copy()
-        found[lost] = cKDTree(shape.full.vertices).query(shape.given.vertices[vertices[lost]])[1]
-    return found.astype(np.int64)
+    """Vertices of the coarse shape nearest to vertices of the one that was given, also to lost ones."""
+    found = vertices
+    if shape.repair is not None:
+        found = shape.repair.vertex_of_original[vertices].astype(np.int64)
+        lost = found < 0
+        if lost.any():
+            found[lost] = cKDTree(shape.full.vertices).query(shape.given.vertices[vertices[lost]])[1]
+    return shape.vertex_of_full[found]
 
 
 def working_labels(shape: PreparedShape, labels: IndexArray) -> IndexArray:
-    """Label of each vertex of the surface that is matched, from those of the surface that was given."""
-    return labels if shape.repair is None or not len(labels) else labels[shape.repair.origin]
+    """Label of each vertex of the coarse shape, from those of the surface that was given."""
+    if not len(labels):
+        return labels
+    return (labels if shape.repair is None else labels[shape.repair.origin])[shape.full_vertices]
 
 
 def _from_part(shape: PreparedShape, inside: np.ndarray) -> FloatArray:

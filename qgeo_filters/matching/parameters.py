@@ -62,8 +62,8 @@ COARSE_TO_FINE: Stages = (
 #: The same, led by the heat kernels: right where a head had been turned about its axis, sometimes wrong elsewhere, so
 #: that the cost must decide.
 HKS_GUIDED: Stages = (replace(COARSE_TO_FINE[0], hks=0.5), COARSE_TO_FINE[1])
-#: From there to the end.
-FINAL: Stages = (Stage(_SIZES, 0.03, 0.015, 0.03, full=90),)
+#: From the map of the coarse shapes to the end, on the fine ones: the second time nearer to the target.
+FINAL: Stages = (COARSE_TO_FINE[1], Stage(_SIZES, 0.03, 0.015, 0.03, full=90))
 
 
 @dataclass(frozen=True)
@@ -74,6 +74,10 @@ class MatchingParameters:
     #: Weights of mean curvature in the metrics that propose maps: the surface's own and two lifted ones, whose
     #: proposals differ (tuning). The last is that of the paper's functions.
     curvature_weights: tuple[float, ...] = (0.0, 0.03, CURVATURE_WEIGHT)
+    #: Vertices of the proxies between which maps are sought, and of those at which they are finished; from there they
+    #: are carried to all vertices (benchmarks/README.md, "From coarse to fine").
+    search_vertices: int = 1500
+    registration_vertices: int = 4000
     #: Times of heat: a paw, a limb and a half of the shape (tuning).
     hks_times: tuple[float, ...] = (0.003, 0.01, 0.03)
     #: Time of heat over which mean curvature is smoothed: a breast, a muzzle (five tuning pairs, victoria).
@@ -81,7 +85,7 @@ class MatchingParameters:
     #: Curvatures beyond this, in 1 / sqrt(area), are those of fingers, ears and noise (as before).
     curvature_limit: float = 30.0
     #: Eigenfunctions of the distances and of the Laplacian: more did not help (tuning).
-    distance_functions: int = 100
+    distance_functions: int = 60
     laplacian_functions: int = 200
     #: Residual of the last of them, relative; the first 20 come out as exact as float32 distances.
     eigen_tolerance: float = 1e-3
@@ -93,6 +97,19 @@ class MatchingParameters:
     #: Fewest vertices of a shape: the search needs more points than eigenfunctions.
     minimum_vertices: int = 60
 
+    # -- the first attempt ------------------------------------------------------------------------------------
+    #: Whether maps are sought in the last metric only, without mirrored ones and with fewer points, at first: all the
+    #: rest follows where that leaves any doubt (benchmarks/README.md, "From coarse to fine").
+    quick: bool = True
+    quick_preview_count: int = 6
+    quick_candidate_points: int = 400
+    quick_registration_points: int = 800
+    #: It leaves no doubt where the margin, and the agreement of heat kernels, are this large, and the distortion of
+    #: distances this small.
+    quick_margin: float = 2.0
+    quick_alike: float = 0.95
+    quick_distortion: float = 0.1
+
     # -- which maps are different ----------------------------------------------------------------------------
     #: Mean distance between the images of two maps from which they are different (tuning) ...
     different_mean: float = 0.04
@@ -103,6 +120,9 @@ class MatchingParameters:
     near_identity: float = 0.1
     #: Farthest points between which coarse maps are compared: enough for functions as smooth as the first 20.
     coarse_points: int = 300
+
+    #: Metrics that propose maps, the last ones; all of them by default.
+    proposing: int | None = None
 
     # -- sign search over the eigenfunctions of the distances ------------------------------------------------
     #: Eigenfunctions whose signs are enumerated, and that a hypothesis is grown to (tuning).
@@ -268,6 +288,17 @@ class MatchingParameters:
     symmetry_gap: float = 1.0
     symmetry_least_gap: float = 0.015
 
+    def first_attempt(self) -> MatchingParameters:
+        """The parameters of the quick search."""
+        return replace(
+            self,
+            proposing=1,
+            preview_count=self.quick_preview_count,
+            candidate_points=self.quick_candidate_points,
+            zoomout_points=self.quick_candidate_points,
+            registration_points=self.quick_registration_points,
+        )
+
     def of_shape(self) -> dict[str, object]:
         """The parameters that a `PreparedShape` depends on, by name."""
         return {name: getattr(self, name) for name in _OF_SHAPE}
@@ -275,4 +306,4 @@ class MatchingParameters:
 
 # The fields of the first section.
 _NAMES = tuple(field.name for field in fields(MatchingParameters))
-_OF_SHAPE = _NAMES[: _NAMES.index("different_mean")]
+_OF_SHAPE = _NAMES[: _NAMES.index("quick")]

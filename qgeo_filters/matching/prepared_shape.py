@@ -3,55 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy import sparse
 
 from qgeo_filters._deprecation import renamed_parameters
 from qgeo_filters._typing import FloatArray, IndexArray, RepairOption, SingleArray
-from qgeo_filters.deformation.arap import ArapSolver
-from qgeo_filters.differential.curvature import mean_curvature
+from qgeo_filters.decimation import Proxy, decimated
 from qgeo_filters.errors import MeshError, ParameterError
-from qgeo_filters.geodesics.matrix import distance_matrix, distances
-from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
+from qgeo_filters.geodesics.metric import LiftedMetric
 from qgeo_filters.hosts.dispatch import SurfaceLike, surface_and_repair
+from qgeo_filters.matching.fine_shape import FineShape
+from qgeo_filters.matching.intrinsic_shape import IntrinsicShape, MetricEmbedding
+from qgeo_filters.matching.level import Level, reflected
 from qgeo_filters.matching.parameters import MatchingParameters
-from qgeo_filters.parallel import single_threaded_blas
-from qgeo_filters.sampling import farthest_by_distances
-from qgeo_filters.spectral.laplacian import laplacian_spectrum
-from qgeo_filters.spectral.spectrum import Spectrum, check_areas, spectrum_of_matrix
+from qgeo_filters.spectral.spectrum import Spectrum, check_areas
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
 
 
-@dataclass(frozen=True, eq=False)
-class MetricEmbedding:
-    """A unit-area shape in one metric.
-
-    Attributes
-    ----------
-    curvature_weight : float
-        Of mean curvature in the metric, see `lifted_metric`.
-    eigenvalues : (k,) float64
-        Of the distance operator, by decreasing absolute value.
-    eigenfunctions : (n, k) float32
-    spectrum : Spectrum
-        The first 20 of them, in full precision.
-    fps_distances : (r, n) float32
-        From the first farthest points to all vertices.
-    """
-
-    curvature_weight: float
-    eigenvalues: FloatArray
-    eigenfunctions: SingleArray
-    spectrum: Spectrum
-    fps_distances: SingleArray
-
-
-class PreparedShape:
+class PreparedShape(Level):
     """A shape prepared for matching: unit-area copy, distances, spectra, farthest points; each on first use.
 
     Parameters
@@ -110,13 +85,18 @@ class PreparedShape:
         self.winding = self.full.winding
         """Which side of that surface is out; what looks inwards is turned over, vertices as they are."""
         self.surface = self.full.turned_over() if self.winding == "inward" else self.full
-        self.scale = float(np.sqrt(self.surface.area))
-        centre = self.surface.vertex_areas @ self.surface.vertices / self.surface.area
-        self.unit = Surface((self.surface.vertices - centre) / self.scale, self.surface.faces)
+        self.oriented = self.full.turned_over() if self.winding == "inward" else self.full
+        """The surface whose map is found, at full resolution."""
+        self.fine_proxy = decimated(self.oriented, resolution(self.oriented, chosen.registration_vertices))
+        """The surface at which maps are finished: the same, unless it is large."""
+        fine = self.fine_proxy.surface
+        self.proxy = decimated(fine, resolution(fine, chosen.search_vertices))
+        """The surface at which maps are sought, of that at which they are finished: coarser."""
+        super().__init__(self.proxy.surface)
+        self.intrinsic = IntrinsicShape(self.surface, self.unit, chosen, matrix, progress)
+        """What does not change in a mirror."""
         self.symmetries: dict[tuple[float, MatchingParameters], Any] = {}
         """Self-symmetries that were found, by tolerance and parameters."""
-        self._matrix = matrix
-        self._progress = progress
 
     def __repr__(self) -> str:
         return f"PreparedShape({self.surface!r}, curvature_weights={self.parameters.curvature_weights})"
@@ -138,142 +118,142 @@ class PreparedShape:
     def prepare(self) -> PreparedShape:
         """The same shape, with everything that matching takes from it computed now."""
         # Cached properties: looking at one computes it.
-        for name in ("embeddings", "laplacian", "normals", "log_hks", "smoothed_mean_curvature"):
-            getattr(self, name)
+        _ = self.spectrum, self.fps_distances, self.laplacian, self.log_hks, self.smoothed_mean_curvature
+        _ = self.normals, self.fine.normals, self.fine.laplacian
         return self
 
     @property
-    def n_vertices(self) -> int:
-        """Number of vertices."""
-        return self.unit.n_vertices
-
-    @cached_property
-    def areas(self) -> FloatArray:
-        """Area of each vertex, (n,), summing to 1."""
-        return self.unit.vertex_areas
-
-    @cached_property
-    def normals(self) -> FloatArray:
-        """Angle-weighted unit normals, (n, 3)."""
-        return self.unit.vertex_normals
-
-    @cached_property
-    def metric(self) -> LiftedMetric:
-        """The first metric, on the surface in its own unit."""
-        return lifted_metric(self.surface, curvature_weight=self.parameters.curvature_weights[0])
-
-    def distances(self, sources: npt.ArrayLike) -> FloatArray:
-        """Distances from some vertices to all in the first metric, (s, n)."""
-        return distances(self.metric.surface, sources, self.metric) / self.scale
-
-    @cached_property
     def embeddings(self) -> tuple[MetricEmbedding, ...]:
         """The shape in each metric; the same farthest points in all."""
-        return tuple(self._embedded(weight) for weight in self.parameters.curvature_weights)
+        return tuple(self.embedding(place) for place in range(len(self.parameters.curvature_weights)))
 
-    @cached_property
+    def embedding(self, place: int) -> MetricEmbedding:
+        """The shape in one metric."""
+        return self.intrinsic.embedding(place)
+
+    @property
+    def areas(self) -> FloatArray:
+        """Area of each vertex, (n,), summing to 1."""
+        return self.intrinsic.areas
+
+    @property
     def fps(self) -> IndexArray:
         """Farthest points, (m,) with m up to 2000, the vertex of largest mean distance first."""
-        _ = self.embeddings  # the first embedding chooses them, with all distances at hand
-        return self._fps
+        return self.intrinsic.fps
 
     @property
     def fps_distances(self) -> SingleArray:
         """Distances from the first farthest points to all vertices in the first metric, (r, n)."""
-        return self.embeddings[0].fps_distances
+        return self.intrinsic.fps_distances
+
+    def distances(self, sources: npt.ArrayLike) -> FloatArray:
+        """Distances from some vertices to all in the first metric, (s, n)."""
+        return self.intrinsic.distances(sources)
 
     @property
     def spectrum(self) -> Spectrum:
         """First eigenfunctions of the distances in the last metric, which is that of the paper's functions."""
-        return self.embeddings[-1].spectrum
+        return self.embedding(-1).spectrum
 
-    @cached_property
-    @single_threaded_blas
+    @property
     def laplacian_spectrum(self) -> Spectrum:
         """Eigenpairs of the Laplace-Beltrami operator, up to 200."""
-        return laplacian_spectrum(self.unit, min(self.parameters.laplacian_functions, self.n_vertices // 3))
+        return self.intrinsic.laplacian_spectrum
 
-    @cached_property
+    @property
     def laplacian(self) -> SingleArray:
         """Its eigenfunctions in single precision, (n, up to 200)."""
-        return frozen(self.laplacian_spectrum.eigenfunctions.astype(np.float32))
+        return self.intrinsic.laplacian
 
-    @cached_property
-    @single_threaded_blas
+    @property
     def log_hks(self) -> FloatArray:
-        """Heat kernel signature: logarithm of the heat kernel h(t; p, p) at each of ``hks_times``, (n, 3)."""
-        squares = self.laplacian.astype(np.float64) ** 2
-        decay = np.exp(-np.outer(self.laplacian_spectrum.eigenvalues, self.parameters.hks_times))
-        return frozen(np.log(squares @ decay))
+        """Heat kernel signature, (n, 3)."""
+        return self.intrinsic.log_hks
 
-    @cached_property
-    @single_threaded_blas
+    @property
     def smoothed_mean_curvature(self) -> FloatArray:
         """Mean curvature after some heat, (n,), in units of 1 / sqrt(area): what bulges and what is hollow."""
-        limit = self.parameters.curvature_limit
-        curvature = np.clip(mean_curvature(self.unit), -limit, limit)
-        functions = self.laplacian.astype(np.float64)
-        decay = np.exp(-self.parameters.curvature_time * self.laplacian_spectrum.eigenvalues)
-        return frozen(functions @ (decay * (functions.T @ (self.areas * curvature))))
+        return self.intrinsic.smoothed_mean_curvature
 
     @cached_property
-    def arap(self) -> ArapSolver:
-        """Its as-rigid-as-possible deformation."""
-        return ArapSolver(self.unit.vertices, self.unit.faces)
+    def fine(self) -> Level:
+        """The shape at the resolution at which maps are finished; itself where that is this one."""
+        same = self.proxy.surface is self.fine_proxy.surface
+        return self if same else FineShape(self.fine_proxy.surface, self.proxy, self)
+
+    @cached_property
+    def full_vertices(self) -> IndexArray:
+        """The vertex at full resolution that stands for each vertex, (n,)."""
+        return self.fine_proxy.vertices[self.proxy.vertices]
+
+    @cached_property
+    def vertex_of_full(self) -> IndexArray:
+        """The vertex nearest to each at full resolution, (n_full,)."""
+        return self.proxy.nearest_corner[self.fine_proxy.nearest_corner]
+
+    @cached_property
+    def interpolation(self) -> sparse.csr_array:
+        """Matrix (n_full, n) that takes values at the vertices to all at full resolution."""
+        return _matrix(self.fine_proxy) @ _matrix(self.proxy)
+
+    @cached_property
+    def full_spectrum(self) -> Spectrum:
+        """`spectrum`, interpolated at the vertices at full resolution."""
+        if self.oriented is self.surface:
+            return self.spectrum
+        areas = self.full.vertex_areas / self.full.area
+        return replace(
+            self.spectrum, eigenfunctions=frozen(self.interpolation @ self.spectrum.eigenfunctions), areas=frozen(areas)
+        )
 
     @cached_property
     def mirrored(self) -> PreparedShape:
         """Its image in a mirror, vertex by vertex: intrinsically the same, and nothing is computed again."""
         other = object.__new__(PreparedShape)
         other.__dict__.update({key: value for key, value in self.__dict__.items() if key not in _EXTRINSIC})
-        # Reflected faces turn over, so that normals keep pointing out.
-        flip = np.array([-1.0, 1.0, 1.0])
-        other.surface = Surface(self.surface.vertices * flip, self.surface.faces[:, ::-1])
-        other.unit = Surface(self.unit.vertices * flip, self.unit.faces[:, ::-1])
-        for name in _INTRINSIC:
-            other.__dict__[name] = getattr(self, name)
+        other.oriented = reflected(self.oriented)
+        coarse, fine = reflected(self.surface), self.fine_proxy.surface
+        fine = coarse if self.fine is self else other.oriented if fine is self.oriented else reflected(fine)
+        other.proxy = replace(self.proxy, surface=coarse)
+        other.fine_proxy = replace(self.fine_proxy, surface=fine)
+        Level.__init__(other, coarse)
         return other
 
-    @single_threaded_blas
-    def _embedded(self, weight: float) -> MetricEmbedding:
-        given = self.parameters
-        first = weight == given.curvature_weights[0]
-        metric = self.metric if first else lifted_metric(self.surface, curvature_weight=weight)
-        if self._matrix is None:
-            matrix = distance_matrix(self.surface, metric, progress=self._progress)
-        else:
-            matrix = self._matrix(metric)
-        k = min(given.distance_functions, self.n_vertices // 3)
-        spectrum = spectrum_of_matrix(matrix, self.surface.vertex_areas, k, tolerance=given.eigen_tolerance)
-        spectrum = self._in_unit_area(spectrum)
-        if "_fps" not in self.__dict__:
-            self._fps = farthest_rows(matrix, self.areas, min(given.fps_count, self.n_vertices))
-        return MetricEmbedding(
-            weight,
-            spectrum.eigenvalues,
-            frozen(spectrum.eigenfunctions.astype(np.float32)),
-            spectrum.truncated(min(given.spectrum_functions, k)),
-            frozen(matrix[self._fps[: given.fps_rows]] / np.float32(self.scale)),
-        )
 
-    def _in_unit_area(self, spectrum: Spectrum) -> Spectrum:
-        # The kernel is a length, the measure an area.
-        return replace(
-            spectrum,
-            eigenvalues=frozen(spectrum.eigenvalues / self.scale**3),
-            eigenfunctions=frozen(spectrum.eigenfunctions * self.scale),
-            areas=self.areas,
-        )
-
+# A proxy must be worth its while.
+_FEW_MORE = 1.2
 
 #: What `match` and `self_symmetry` take.
 Shape = SurfaceLike | PreparedShape
 
-_EXTRINSIC = ("surface", "unit", "normals", "arap", "mirrored")
-# Equal on both sides of a mirror, and shared: computed anew they would differ by rounding.
-_INTRINSIC = (
-    "metric", "embeddings", "fps", "laplacian", "laplacian_spectrum", "areas", "log_hks", "smoothed_mean_curvature"
-)  # fmt: skip
+# What a mirror changes.
+_EXTRINSIC = (
+    "oriented",
+    "surface",
+    "unit",
+    "scale",
+    "centre",
+    "proxy",
+    "fine_proxy",
+    "fine",
+    "normals",
+    "arap",
+    "mirrored",
+)
+
+
+def resolution(surface: Surface, n_vertices: int) -> int:
+    """Number of vertices of a proxy: its own for a surface that has few more."""
+    return n_vertices if surface.n_vertices > _FEW_MORE * n_vertices else surface.n_vertices
+
+
+def _matrix(proxy: Proxy) -> sparse.csr_array:
+    n = len(proxy.corners)
+    rows = np.repeat(np.arange(n), 3)
+    entries = proxy.coordinates.ravel(), (rows, proxy.corners.ravel())
+    found = sparse.csr_array(entries, shape=(n, proxy.surface.n_vertices))
+    found.eliminate_zeros()
+    return found
 
 
 def check_matchable(surface: Surface, parameters: MatchingParameters | None = None, *, repaired: bool = False) -> None:
@@ -304,11 +284,3 @@ def check_same_size(x: Surface, y: Surface, ratio: float = MatchingParameters.sa
             f"the areas of X and Y are {x.area:.6g} and {y.area:.6g}: shapes of different size are compared with "
             "normalize=True"
         )
-
-
-def farthest_rows(matrix: npt.NDArray[np.float32], areas: FloatArray, count: int) -> IndexArray:
-    """Farthest points, shape (count,), from all distances: each is the farthest from those before it.
-
-    The first is the vertex of largest mean distance, so that the numbering does not matter.
-    """
-    return frozen(farthest_by_distances(matrix, count, int((matrix @ areas.astype(np.float32)).argmax())))

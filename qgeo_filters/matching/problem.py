@@ -7,10 +7,11 @@ from functools import cached_property
 
 import numpy as np
 
-from qgeo_filters._typing import FloatArray, IndexArray, RepairOption
+from qgeo_filters._typing import FloatArray, IndexArray, RepairOption, SingleArray
 from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.matching.hints import Hints, LabelPair, LandmarkPairs
 from qgeo_filters.matching.known_parts import KnownParts
+from qgeo_filters.matching.level import Level
 from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape, Shape
@@ -104,6 +105,16 @@ class MatchProblem:
         known = KnownParts.of(self.hints, self.x, self.y, self.parameters)
         return known if len(known.to_x) else None
 
+    @property
+    def profiles(self) -> tuple[SingleArray, SingleArray] | None:
+        """Values per vertex of X and of Y that known parts share, see `KnownParts.profiles`."""
+        return self.known.profiles if self.known else None
+
+    @property
+    def fine(self) -> FinePair:
+        """The shapes at the resolution at which maps are finished."""
+        return FinePair.of(self)
+
     def with_mirrored_y(self) -> MatchProblem:
         """The problem of X and the mirror image of Y: maps that reverse the orientation keep it there."""
         return replace(self, y=self.y.mirrored).with_known(self.known)  # intrinsically the same
@@ -125,6 +136,24 @@ class MatchProblem:
             Vertex of Y for each of them.
         """
         return self.known.penalties(points, p2p) if self.known else np.ones(p2p.shape[:-1])
+
+
+@dataclass(frozen=True, eq=False)
+class FinePair:
+    """Two shapes at the resolution at which maps are finished; see `MatchProblem`."""
+
+    x: Level
+    y: Level
+    parameters: MatchingParameters
+    profiles: tuple[SingleArray, SingleArray] | None
+
+    @classmethod
+    def of(cls, problem: MatchProblem) -> FinePair:
+        """The fine levels of a problem, what is known interpolated."""
+        x, y, profiles = problem.x, problem.y, problem.profiles
+        if profiles is not None:
+            profiles = x.proxy.pulled_back(profiles[0]), y.proxy.pulled_back(profiles[1])
+        return cls(x.fine, y.fine, problem.parameters, profiles)
 
 
 def _chosen(parameters: MatchingParameters | None, *shapes: Shape) -> MatchingParameters:

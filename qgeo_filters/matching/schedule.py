@@ -9,9 +9,8 @@ import numpy as np
 
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.deformation.arap import ArapSolver, Pull, Solve
+from qgeo_filters.matching.level import Level, LevelPair
 from qgeo_filters.matching.parameters import Stage, Stages
-from qgeo_filters.matching.prepared_shape import PreparedShape
-from qgeo_filters.matching.problem import MatchProblem
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +52,7 @@ class Schedule:
     steps: tuple[Step, ...]
 
     @classmethod
-    def of(cls, problem: MatchProblem, stages: Stages, start: IndexArray | None = None) -> Schedule:
+    def of(cls, problem: LevelPair, stages: Stages, start: IndexArray | None = None) -> Schedule:
         """Schedule of some stages; the map to begin with is one of all vertices, unless ``start`` says of which."""
         points = np.arange(problem.x.n_vertices) if start is None else start
         return cls(points, tuple(_steps(problem, stages, points)))
@@ -63,7 +62,7 @@ class Schedule:
         return tuple(arap.prefactor(step.pull) for step in self.steps)
 
 
-def _steps(problem: MatchProblem, stages: Stages, start: IndexArray) -> Iterator[Step]:
+def _steps(problem: LevelPair, stages: Stages, start: IndexArray) -> Iterator[Step]:
     x, y, given = problem.x, problem.y, problem.parameters
     widest = min(x.laplacian.shape[1], y.laplacian.shape[1])
     matched = start
@@ -81,19 +80,19 @@ def _steps(problem: MatchProblem, stages: Stages, start: IndexArray) -> Iterator
                 matched = points_x
 
 
-def _matched(shape: PreparedShape, count: int | None) -> IndexArray:
+def _matched(shape: Level, count: int | None) -> IndexArray:
     """The first farthest points, or all vertices."""
     return np.arange(shape.n_vertices) if count is None else shape.fps[:count]
 
 
-def mass_of(shape: PreparedShape, points: IndexArray) -> FloatArray:
+def mass_of(shape: Level, points: IndexArray) -> FloatArray:
     """Area for which each vertex stands, (n,), 0 where it is none of the points."""
     mass = np.zeros(shape.n_vertices)
     mass[points] = area_shares(shape, points)
     return mass
 
 
-def area_shares(shape: PreparedShape, points: IndexArray) -> FloatArray:
+def area_shares(shape: Level, points: IndexArray) -> FloatArray:
     """Part of the area for which each point stands: its own where all vertices take part, equal parts otherwise."""
     if len(points) == shape.n_vertices:
         return shape.areas[points]

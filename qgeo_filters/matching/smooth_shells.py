@@ -15,8 +15,8 @@ import numpy as np
 
 from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
 from qgeo_filters.deformation.arap import Solve
+from qgeo_filters.matching.level import LevelPair
 from qgeo_filters.matching.maps.functional_map import nearest_neighbors_both_ways
-from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.schedule import Schedule, Step, area_shares
 
 
@@ -42,7 +42,7 @@ class DenseMap:
 
 
 def register(
-    problem: MatchProblem, p2p: IndexArray, schedule: Schedule, solvers: tuple[Solve, ...] | None = None
+    problem: LevelPair, p2p: IndexArray, schedule: Schedule, solvers: tuple[Solve, ...] | None = None
 ) -> DenseMap:
     """Map between all vertices from one of the schedule's starting points that is right in the large.
 
@@ -71,7 +71,7 @@ def register(
 class _State:
     """Matches in both directions, and the deformed shape; changed by each step."""
 
-    def __init__(self, problem: MatchProblem, p2p: IndexArray, start: IndexArray) -> None:
+    def __init__(self, problem: LevelPair, p2p: IndexArray, start: IndexArray) -> None:
         self.problem, self.x, self.y = problem, problem.x, problem.y
         self.points_x, self.forth = start, p2p
         self.points_y, self.back = np.zeros(0, np.int64), np.zeros(0, np.int64)
@@ -105,8 +105,8 @@ class _State:
         if stage.hks:
             left.append(stage.hks * x.log_hks)
             right.append(stage.hks * y.log_hks)
-        if self.problem.known:
-            profiles = self.problem.known.profiles
+        if self.problem.profiles is not None:
+            profiles = self.problem.profiles
             left.append(self.problem.parameters.hint_weight * profiles[0])
             right.append(self.problem.parameters.hint_weight * profiles[1])
         self.embeddings = np.column_stack(left).astype(np.float32), np.column_stack(right).astype(np.float32)

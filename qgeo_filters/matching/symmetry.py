@@ -9,11 +9,14 @@ import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray, RepairOption
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.matching.finish import at_full_resolution, finished
 from qgeo_filters.matching.given_vertices import symmetry_on_given
 from qgeo_filters.matching.initialization.candidates import candidates
-from qgeo_filters.matching.maps.functional_map import nearest_neighbors
+from qgeo_filters.matching.maps.functional_map import nearest_neighbors, nearest_neighbors_both_ways
 from qgeo_filters.matching.maps.involution import optimal_involution
 from qgeo_filters.matching.maps.orientation import orientation
+from qgeo_filters.matching.maps.point_distortion import point_distortions
+from qgeo_filters.matching.maps.resolutions import placed
 from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape, Shape
@@ -129,9 +132,10 @@ def self_symmetry(
         return symmetry_on_given(_remembered(problem, tolerance), problem.x)
 
 
-def reflection_of(shape: PreparedShape, parameters: MatchingParameters) -> Symmetry:
-    """Self-symmetry on the vertices of ``shape.full``."""
-    return _remembered(MatchProblem.of_reflection(shape, parameters), TOLERANCE)
+def reflection_of(shape: PreparedShape, parameters: MatchingParameters) -> IndexArray | None:
+    """Vertex nearest to the mirror point of each vertex of the coarse shape, (n,); None without a symmetry."""
+    found = _remembered(MatchProblem.of_reflection(shape, parameters), TOLERANCE)
+    return shape.vertex_of_full[found.nearest[shape.full_vertices]] if found.found else None
 
 
 def _remembered(problem: MatchProblem, tolerance: float) -> Symmetry:
@@ -168,14 +172,14 @@ def _found(problem: MatchProblem, tolerance: float) -> Symmetry:
             f"different reflections keep distances and shape about equally well (costs within {margin:.2f}): either "
             "a family of symmetries, of which none can be singled out, or a shape without any that is nearly round",
         )
-    found = _described(problem, decision.dense)
+    found = _described(problem, finished(problem, decision.dense))
     if found.score > tolerance:
         return _none(
             x,
             f"the best map of the shape to its mirror image distorts distances by {found.score:.3f} sqrt(area) "
             f"in the mean, more than the tolerance of {tolerance:g}",
         )
-    alike = hks_agreement(problem, found.nearest)
+    alike = hks_agreement(problem, x.vertex_of_full[found.nearest[x.full_vertices]])
     gap = max(given.symmetry_gap * found.score, given.symmetry_least_gap)
     if alike < max(given.symmetry_alike, 1 - gap):
         return _none(
@@ -187,47 +191,61 @@ def _found(problem: MatchProblem, tolerance: float) -> Symmetry:
 
 
 def _described(problem: MatchProblem, dense: DenseMap) -> Symmetry:
-    x = problem.x
-    # The map and its inverse are the same: matching in both at once makes the costs symmetric.
-    first = np.column_stack([dense.embedding_x, dense.embedding_y])
-    second = np.column_stack([dense.embedding_y, dense.embedding_x])
-    p2p = nearest_neighbors(first, second)
-    side = _sides(x, p2p)
+    x, spectrum = problem.x, problem.x.full_spectrum
+    positions, nearest = _mirror_points(problem, dense)
+    side = _sides(x, nearest)
+    asymmetry = point_distortions(problem, nearest)
+    score = float(spectrum.areas @ asymmetry)
     # Where the vertices go between the vertices of the other side: nearer to the truth than the nearest of them.
-    v, mirrored = x.unit.vertices, dense.positions * np.array([-1.0, 1.0, 1.0])
-    probes = x.fps[: problem.parameters.probes]
-    there = x.distances(p2p[probes])
-    asymmetry = np.abs(x.fps_distances[: len(probes)] - there[:, p2p]).mean(axis=0, dtype=np.float64)
-    score = float(x.areas @ asymmetry)
+    v = x.oriented.vertices
     return Symmetry(
         True,
         f"a reflection that distorts distances by {score:.3f} sqrt(area) in the mean",
-        frozen(optimal_involution(np.column_stack([mirrored, v]), np.column_stack([v, mirrored]), side)),
-        frozen(p2p),
+        frozen(optimal_involution(np.column_stack([positions, v]), np.column_stack([v, positions]), side)),
+        frozen(nearest),
         frozen(side),
         frozen(side == 0),
         frozen(asymmetry),
         score,
-        orientation(x.unit, x.unit, p2p),
-        symmetry_epsilon(x.spectrum, p2p),
-        frozen(symmetry_regions(x.spectrum)),
+        orientation(x.oriented, x.oriented, nearest),
+        symmetry_epsilon(spectrum, nearest),
+        frozen(symmetry_regions(spectrum)),
     )
 
 
-def _sides(x: PreparedShape, p2p: IndexArray) -> npt.NDArray[np.int8]:
-    """Side of each vertex, (n,): 1, -1, and 0 along the axis.
+def _mirror_points(problem: MatchProblem, dense: DenseMap) -> tuple[FloatArray, IndexArray]:
+    """Mirror point of each vertex at full resolution, (n, 3), in the frame of the shape, and the vertex nearest to it.
+
+    The map and its inverse are the same: matching in both at once makes the costs symmetric.
+    """
+    x, flip = problem.x, np.array([-1.0, 1.0, 1.0])
+    full = at_full_resolution(problem, dense)
+    positions = full.positions * flip
+    if x.fine_proxy.surface is x.oriented:
+        first, second = dense.embedding_x, dense.embedding_y
+        both = np.column_stack([first, second]), np.column_stack([second, first])
+        return positions, nearest_neighbors(*both)
+    here = placed(positions, x.oriented.with_vertices(full.positions).vertex_normals * flip, x.oriented)
+    there = placed(x.oriented.vertices, x.oriented.vertex_normals, x.oriented)
+    return positions, nearest_neighbors_both_ways(np.column_stack([here, there]), np.column_stack([there, here]))[0]
+
+
+def _sides(x: PreparedShape, nearest: IndexArray) -> npt.NDArray[np.int8]:
+    """Side of each vertex at full resolution, (n,): 1, -1, and 0 along the axis.
 
     A shortest path from one side to a point of the other crosses the axis, where the point and its mirror
     are equally far: so the nearer of p and Tp is the one on the same side.
     """
+    coarse = x.vertex_of_full[nearest[x.full_vertices]]
+    points = x.fps[: len(x.fps_distances)]
     # Distance to the mirror of a point is that of the mirrored vertex to the point.
-    excess = x.fps_distances[:, p2p] - x.fps_distances
-    own = excess[np.arange(len(x.fps_distances)), x.fps[: len(x.fps_distances)]]
-    reference = int(own.argmax())
-    of_points = np.sign(excess[reference, x.fps[: len(x.fps_distances)]])
-    lead = (of_points[:, None] * excess).mean(axis=0, dtype=np.float64)
+    excess = x.fps_distances[:, coarse] - x.fps_distances
+    reference = int(excess[np.arange(len(points)), points].argmax())
+    of_points = np.sign(excess[reference, points])
+    towards = x.interpolation @ (of_points @ x.fps_distances.astype(np.float64) / len(points))
+    lead = towards[nearest] - towards
     side = np.sign(lead).astype(np.int8)
-    a, b = x.unit.edges.T
+    a, b = x.oriented.edges.T
     crossing = side[a] * side[b] < 0
     a, b = a[crossing], b[crossing]
     side[np.where(np.abs(lead[a]) <= np.abs(lead[b]), a, b)] = 0
@@ -235,7 +253,7 @@ def _sides(x: PreparedShape, p2p: IndexArray) -> npt.NDArray[np.int8]:
 
 
 def _none(x: PreparedShape, reason: str) -> Symmetry:
-    n = x.n_vertices
+    n, spectrum = x.full.n_vertices, x.full_spectrum
     identity = frozen(np.arange(n))
     return Symmetry(
         False,
@@ -247,6 +265,6 @@ def _none(x: PreparedShape, reason: str) -> Symmetry:
         frozen(np.full(n, np.nan)),
         np.nan,
         np.nan,
-        symmetry_epsilon(x.spectrum),
-        frozen(symmetry_regions(x.spectrum)),
+        symmetry_epsilon(spectrum),
+        frozen(symmetry_regions(spectrum)),
     )

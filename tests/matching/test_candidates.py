@@ -26,10 +26,14 @@ def lopsided(level: int, bend: float) -> Surface:
     return Surface(bent(vertices, bend), faces)
 
 
+#: Everything at full resolution.
+FULL = MatchingParameters(search_vertices=10_000, registration_vertices=10_000)
+
+
 @functools.cache
 def pair() -> MatchProblem:
     """Two poses of 2562 vertices, equally numbered; fewer points are mapped."""
-    return MatchProblem.of(lopsided(4, 0.0), lopsided(4, 0.25))
+    return MatchProblem.of(lopsided(4, 0.0), lopsided(4, 0.25), FULL)
 
 
 @functools.cache
@@ -52,10 +56,9 @@ def test_the_orientation_over_some_triangles_is_that_over_all() -> None:
     """But for ties, the order of the faces does not matter; and the value is near that of the true map."""
     x, y = pair().x, pair().y
     shuffled = np.random.default_rng(0).permutation(len(x.surface.faces))
-    other = PreparedShape(Surface(x.surface.vertices, x.surface.faces[shuffled]))
-    for name in ("embeddings", "laplacian", "fps"):
-        other.__dict__[name] = getattr(x, name)
-    again = [c.orientation for c in candidates(MatchProblem(other, y))]
+    other = PreparedShape(Surface(x.surface.vertices, x.surface.faces[shuffled]), parameters=FULL)
+    other.intrinsic = x.intrinsic
+    again = [c.orientation for c in candidates(MatchProblem(other, y, FULL))]
     assert again == pytest.approx([c.orientation for c in found()], abs=0.02)
     kept = next(c for c in found() if c.orientation > 0)
     assert kept.orientation == pytest.approx(orientation(x.unit, y.unit, np.arange(x.n_vertices)), abs=0.35)
@@ -75,7 +78,7 @@ def test_maps_without_a_side_compete_only_where_there_are_no_others() -> None:
     middle = float(np.median([abs(c.orientation) for c in found()]))
 
     def kept(one_sided: float) -> list[float]:
-        problem = replace(pair(), parameters=replace(MatchingParameters(), one_sided=one_sided))
+        problem = replace(pair(), parameters=replace(FULL, one_sided=one_sided))
         return [c.orientation for c in candidates(problem)]
 
     some = kept(middle)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from shapes import icosphere
 
+from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.selection.fixed_limbs import leaves_limbs
@@ -12,6 +13,8 @@ from qgeo_filters.matching.selection.part_icp import turned_parts
 from qgeo_filters.matching.smooth_shells import DenseMap
 from qgeo_filters.surface import Surface
 
+#: Everything at full resolution.
+FULL = MatchingParameters(search_vertices=10_000, registration_vertices=10_000)
 MIRROR = np.array([-1, 1, 1])
 
 
@@ -51,15 +54,15 @@ def test_a_turned_part_is_turned_back_and_a_right_one_left_alone() -> None:
     x, y, z = vertices.T
     wide = np.where(z > 0.6, 1 + 6 * (z - 0.6), 1.0)
     v = np.column_stack([x * 0.35 * np.where(x > 0, wide, np.sqrt(wide)), y * 0.35 / wide, 1.5 * z])
-    shape = PreparedShape(Surface(v, faces))
+    shape = PreparedShape(Surface(v, faces), parameters=FULL)
     unit, same = shape.unit.vertices, np.arange(len(v))
     nothing = np.zeros((0, 0), np.float32)
-    assert turned_parts(MatchProblem(shape, shape), DenseMap(same, same, unit, nothing, nothing)) == []
+    assert turned_parts(MatchProblem(shape, shape, FULL), DenseMap(same, same, unit, nothing, nothing)) == []
     angle = np.deg2rad(120) * np.clip((v[:, 2] - 0.3) / 0.5, 0, 1)
     c, s = np.cos(angle), np.sin(angle)
     twisted = np.column_stack([c * unit[:, 0] - s * unit[:, 1], s * unit[:, 0] + c * unit[:, 1], unit[:, 2]])
     p2p = nearest(twisted, unit)
-    proposed = turned_parts(MatchProblem(shape, shape), DenseMap(p2p, p2p, twisted, nothing, nothing))
+    proposed = turned_parts(MatchProblem(shape, shape, FULL), DenseMap(p2p, p2p, twisted, nothing, nothing))
     end = v[:, 2] > 1.2
     before, after = (np.linalg.norm(unit[q[end]] - unit[end], axis=1).mean() for q in (p2p, proposed[0]))
     assert before > 0.05

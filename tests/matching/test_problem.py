@@ -20,6 +20,9 @@ from qgeo_filters.matching.selection.cost import torn_share
 from qgeo_filters.matching.symmetry import reflection_log
 from qgeo_filters.surface import Surface
 
+#: Everything at full resolution.
+FULL = MatchingParameters(search_vertices=10_000, registration_vertices=10_000)
+
 
 def bodies() -> tuple[Surface, Surface]:
     """A body with four unequal limbs, and the same bent."""
@@ -39,7 +42,7 @@ def prepared() -> tuple[PreparedShape, PreparedShape]:
 
 @functools.cache
 def logged() -> tuple[qg.MatchResult, MatchLog]:
-    return qg.match(*prepared(), log=True)
+    return qg.match(*prepared(), parameters=MatchingParameters(quick=False), log=True)
 
 
 # -- parameters ----------------------------------------------------------------------------------------------
@@ -71,7 +74,7 @@ def test_a_surface_is_prepared_as_the_other_shape_was() -> None:
 def test_parameters_that_no_shape_depends_on_may_be_varied() -> None:
     """And they do something: with one contender there is no runner-up."""
     x, y = prepared()
-    given = replace(MatchingParameters(), preview_count=1)
+    given = replace(MatchingParameters(), preview_count=1, quick=False)
     found, log = qg.match(x, y, parameters=given, log=True)
     assert found.runner_up == found.margin == math.inf
     assert sum(entry.preview_cost is not None for entry in log) == 1
@@ -181,6 +184,28 @@ def test_reflections_are_logged_as_well() -> None:
     assert {entry.fate for entry in log} & {"keeps the orientation of the shape: no reflection", CHOSEN}
 
 
+# -- the first attempt ---------------------------------------------------------------------------------------
+
+
+def test_a_clear_map_is_found_by_the_last_metric_alone() -> None:
+    x, y = (PreparedShape(surface) for surface in bodies())
+    found = qg.match(x, y)
+    assert {entry.proposed_by for entry in found.log} <= {
+        "signs of eigenfunctions, curvature weight 0.01", "extrema of the average distance"
+    }  # fmt: skip
+    assert sum(entry.fate == CHOSEN for entry in found.log) == 1
+    thorough = logged()[0]
+    moved = np.linalg.norm(y.full.vertices[found.p2p] - y.full.vertices[thorough.p2p], axis=1)
+    assert moved.mean() < 0.01 * np.sqrt(y.full.area)
+
+
+@pytest.mark.parametrize("doubt", [{"quick_margin": 1e6}, {"quick_alike": 1.01}, {"quick_distortion": 0.0}])
+def test_where_there_is_any_doubt_all_metrics_propose(doubt: dict[str, float]) -> None:
+    found = qg.match(*prepared(), parameters=MatchingParameters(**doubt))  # type: ignore[arg-type]
+    np.testing.assert_array_equal(found.p2p, logged()[0].p2p)
+    assert len(found.log) == len(logged()[1])
+
+
 # -- torn edges ----------------------------------------------------------------------------------------------
 
 
@@ -189,7 +214,7 @@ def test_the_right_map_onto_a_coarser_sphere_tears_nothing(level: int) -> None:
     """Vertices of 2562 that go to one vertex or to neighbours of 162: by X's edges alone a third would be torn."""
     x, y = (Surface(*icosphere(n)) for n in (4, level + 1))
     nearest = (x.vertices @ y.vertices.T).argmax(axis=1)
-    problem = MatchProblem(PreparedShape(x), PreparedShape(y))
+    problem = MatchProblem(PreparedShape(x, parameters=FULL), PreparedShape(y, parameters=FULL))
     assert torn_share(problem, nearest) == 0
 
 
@@ -201,7 +226,8 @@ def test_a_wrong_map_onto_a_coarser_sphere_tears_the_seam() -> None:
     for level in (2, 3, 4):
         y = Surface(*icosphere(level))
         nearest = (turned @ y.vertices.T).argmax(axis=1)
-        share = torn_share(MatchProblem(PreparedShape(x), PreparedShape(y)), nearest)
+        shapes = PreparedShape(x, parameters=FULL), PreparedShape(y, parameters=FULL)
+        share = torn_share(MatchProblem(*shapes), nearest)
         assert 0.5 * seam.mean() < share < 1.5 * seam.mean()
 
 

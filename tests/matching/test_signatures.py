@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from shapes import icosphere, torus
 
+from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.selection.signatures import curvature_agreement, hks_agreement
@@ -44,7 +45,7 @@ def test_smoothed_curvature_of_a_sphere_is_its_curvature_and_that_of_a_torus_fol
     sphere = PreparedShape(Surface(*icosphere(3)))
     np.testing.assert_allclose(sphere.smoothed_mean_curvature, np.sqrt(4 * np.pi), rtol=0.01)
     vertices, faces = torus(80, 40)
-    ring = PreparedShape(Surface(vertices, faces))
+    ring = PreparedShape(Surface(vertices, faces), parameters=MatchingParameters(search_vertices=10_000))
     outwards = np.hypot(vertices[:, 0], vertices[:, 1])
     cosine = (outwards - 1.0) / 0.4
     expected = (1.0 + 2 * 0.4 * cosine) / (2 * 0.4 * outwards) * ring.scale

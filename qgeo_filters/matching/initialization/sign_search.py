@@ -9,9 +9,9 @@ import numpy as np
 
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.matching.initialization.hypothesis import Hypothesis
+from qgeo_filters.matching.intrinsic_shape import MetricEmbedding
 from qgeo_filters.matching.maps.functional_map import nearest_neighbors, procrustes
 from qgeo_filters.matching.maps.map_distance import between_fps, coarse_distortions, displacement, distinct_maps
-from qgeo_filters.matching.prepared_shape import MetricEmbedding
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.parallel import concurrently
 
@@ -32,11 +32,12 @@ def sign_search(problem: MatchProblem) -> list[Hypothesis]:
     s = min(given.coarse_points, len(x.fps), len(y.fps))
     points_x, points_y = x.fps[:s], y.fps[:s]
     near_x, near_y = between_fps(x.fps_distances, points_x), between_fps(y.fps_distances, points_y)
-    pairs = zip(x.embeddings, y.embeddings, strict=True)
+    metrics = range(len(given.curvature_weights))[-(given.proposing or len(given.curvature_weights)) :]
+    pairs = [(x.embedding(metric), y.embedding(metric)) for metric in metrics]
     grown = concurrently(lambda pair: _grown_maps(problem, *pair, points_x, points_y), pairs)
     found = [
         (float(distortion), images, metric, float(distortion * penalty))
-        for metric, maps in enumerate(grown)
+        for metric, maps in zip(metrics, grown, strict=True)
         for images, distortion, penalty in zip(
             maps,
             coarse_distortions(near_x, near_y, maps),

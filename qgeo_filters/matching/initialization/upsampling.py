@@ -11,7 +11,7 @@ from qgeo_filters.matching.problem import MatchProblem
 def zoomout_lift(problem: MatchProblem, hypothesis: Hypothesis, vertices: IndexArray) -> IndexArray:
     """Images (s,) of some vertices of X, by spectral upsampling over the eigenfunctions of the distances."""
     given = problem.parameters
-    phi_x, phi_y = (shape.embeddings[hypothesis.metric].eigenfunctions for shape in (problem.x, problem.y))
+    phi_x, phi_y = (shape.embedding(hypothesis.metric).eigenfunctions for shape in (problem.x, problem.y))
     width = min(phi_x.shape[1], phi_y.shape[1])
     start = min(given.zoomout_start, width)
     coarse = zoomout(phi_x, phi_y, hypothesis.p2p, hypothesis.points, [start])

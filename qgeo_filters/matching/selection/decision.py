@@ -11,11 +11,10 @@ import numpy as np
 from qgeo_filters.matching.initialization.candidates import Candidate, dearer_than, mapped_points
 from qgeo_filters.matching.maps.map_distance import are_different, landmark_lower_bound
 from qgeo_filters.matching.problem import MatchProblem
-from qgeo_filters.matching.schedule import Schedule
 from qgeo_filters.matching.selection.cost import Contender, registered
 from qgeo_filters.matching.selection.fixed_limbs import without_fixed_limbs
 from qgeo_filters.matching.selection.part_icp import turned_parts
-from qgeo_filters.matching.smooth_shells import DenseMap, register
+from qgeo_filters.matching.smooth_shells import DenseMap
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +24,9 @@ class Decision:
     Attributes
     ----------
     dense : DenseMap
+        Between the shapes as they were searched, to be finished, see `matching.finish`.
+    hks_agreement : float
+        See the function of this name.
     mean_distortion : float
         See `mean_distortion`.
     margin : float
@@ -36,6 +38,7 @@ class Decision:
     """
 
     dense: DenseMap
+    hks_agreement: float
     mean_distortion: float
     margin: float
     runner_up: float
@@ -43,10 +46,10 @@ class Decision:
 
 
 def choose_map(problem: MatchProblem, pool: list[Candidate]) -> Decision:
-    """The best of the candidates, registered: of those that cost little in a preview the one that ends cheapest."""
+    """The best of the candidates between the coarse shapes: of those cheap in a preview the one that ends cheapest."""
     with _factorisations_released(problem):
         ranked = previewed(problem, pool)
-        return _finished(problem, *_settled(problem, ranked, apart=problem.parameters.different_mean))
+        return _decided(*_settled(problem, ranked, apart=problem.parameters.different_mean))
 
 
 def choose_reflection(problem: MatchProblem, pool: list[Candidate]) -> Decision:
@@ -58,7 +61,7 @@ def choose_reflection(problem: MatchProblem, pool: list[Candidate]) -> Decision:
     with _factorisations_released(problem):
         ranked = without_fixed_limbs(problem, previewed(problem, pool))
         best, *clear = _settled(problem, ranked, apart=problem.parameters.reflection_apart)
-        return _finished(problem, _with_parts_turned(problem, best), *clear)
+        return _decided(_with_parts_turned(problem, best), *clear)
 
 
 @contextmanager
@@ -164,11 +167,8 @@ def _with_parts_turned(problem: MatchProblem, best: Contender) -> Contender:
     return best
 
 
-def _finished(problem: MatchProblem, best: Contender, margin: float, runner_up: float, unhinted: float) -> Decision:
-    # What the map contradicts must not bend it any more.
-    agreed = problem.with_known(problem.known and problem.known.agreeing(best.dense.p2p))
-    dense = register(agreed, best.dense.p2p, Schedule.of(problem, problem.parameters.final))
-    return Decision(dense, best.mean_distortion, margin, runner_up, unhinted)
+def _decided(best: Contender, margin: float, runner_up: float, unhinted: float) -> Decision:
+    return Decision(best.dense, best.hks_agreement, best.mean_distortion, margin, runner_up, unhinted)
 
 
 def _differ(problem: MatchProblem, one: Candidate, other: Candidate) -> bool:
