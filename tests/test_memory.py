@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import textwrap
@@ -27,8 +28,9 @@ def in_limited_process(code: str, gigabytes: float) -> subprocess.CompletedProce
         limit = pages * resource.getpagesize() + int(%r * 1e9)
         resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
     """
+    surroundings = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}  # the tests' own shapes
     text = textwrap.dedent(before % gigabytes) + textwrap.dedent(code)
-    return subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=False)
+    return subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=False, env=surroundings)
 
 
 def test_what_is_free_is_known_and_less_than_there_is() -> None:

@@ -19,7 +19,7 @@ import qgeo_filters
 import qgeo_filters as qg
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.mmp.exact import exact_distances
-from qgeo_filters.matching import correspondence, prepared_shape, symmetry
+from qgeo_filters.matching import correspondence, intrinsic_shape, symmetry
 from qgeo_filters.parallel import (
     available_cores,
     concurrently,
@@ -145,8 +145,8 @@ def test_matching_uses_one_thread_of_blas_from_the_spectra_to_the_map(monkeypatc
 
         monkeypatch.setattr(module, name, watching)
 
-    watched(prepared_shape, "spectrum_of_matrix")
-    watched(prepared_shape, "laplacian_spectrum")
+    watched(intrinsic_shape, "spectrum_of_matrix")
+    watched(intrinsic_shape, "laplacian_spectrum")
     watched(correspondence, "choose_map")
     watched(correspondence, "functional_map")
     watched(symmetry, "choose_reflection")

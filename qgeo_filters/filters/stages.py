@@ -19,6 +19,7 @@ from qgeo_filters.fingerprint import content_key
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.methods import method_named
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
+from qgeo_filters.hosts.repair import needs_repair
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.hints import Hints, LabelPair, LandmarkPairs
 from qgeo_filters.matching.match_result import MatchResult
@@ -114,6 +115,7 @@ def prepared_shape_of(
     surface: Surface, progress: bool = False, workers: int | None = None, repair: RepairOption = "auto"
 ) -> PreparedShape:
     """The surface prepared for matching, see `PreparedShape`; it shares its distances with the other stages."""
+    repair = _needed(surface, repair)
     key = content_key("prepared_shape", surface.vertices, surface.faces, MatchingParameters(), repair)
     matrix = partial(matrix_of, method="graph", accuracy=1e-3, progress=progress)
     return _kept(
@@ -144,6 +146,7 @@ def correspondence_of(
 ) -> MatchResult:
     """Correspondence of two surfaces, see `match`."""
     hints = Hints.of(x, y, landmarks, labels)
+    repair_x, repair_y = _needed(x, repair_x), _needed(y, repair_y)
     as_part = matched_as_part(x, y, partial, normalize)
     if partial == "auto" and not as_part and not may_be_part(x, y):
         partial = False  # the same match
@@ -170,6 +173,11 @@ def correspondence_of(
         "correspondence", *shapes, normalize, partial, MatchingParameters(), hints.landmarks, *hints.labels
     )
     return _kept(key, compute, workers=workers)
+
+
+def _needed(surface: Surface, repair: RepairOption) -> RepairOption:
+    """The option, one and the same for a surface that "auto" leaves as it is and one that is not to be repaired."""
+    return False if repair == "auto" and not needs_repair(surface) else repair
 
 
 def _kept(key: str, compute: Callable[[], Result], workers: int | None) -> Result:

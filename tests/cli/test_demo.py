@@ -15,8 +15,9 @@ from typer.testing import Result
 import qgeo_filters as qg
 from qgeo_filters.caching import cache
 from qgeo_filters.cli.demo import cow, errors_against_exact
+from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.filters import stages
-from qgeo_filters.matching import prepared_shape
+from qgeo_filters.matching import intrinsic_shape
 from qgeo_filters.matching.parameters import MatchingParameters
 
 Loaded = Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]
@@ -27,7 +28,7 @@ def test_demo(qgeo: Callable[..., Result], loaded: Loaded, monkeypatch: pytest.M
     cache.clear()  # whatever other tests left there
     weights = []
     true = stages.distance_matrix
-    for module in (stages, prepared_shape):  # where matrices are asked for
+    for module in (stages, intrinsic_shape):  # where matrices are asked for
         monkeypatch.setattr(
             module,
             "distance_matrix",
@@ -35,9 +36,8 @@ def test_demo(qgeo: Callable[..., Result], loaded: Loaded, monkeypatch: pytest.M
         )
     result = qgeo("demo", "-o", "out")
     assert result.exit_code == 0
-    assert sorted(weights) == sorted(
-        MatchingParameters().curvature_weights
-    )  # the spectrum and the table take two of the symmetry's
+    # The symmetry takes all metrics, on a proxy; the spectrum and the table take two, at full resolution.
+    assert sorted(weights) == sorted([*MatchingParameters().curvature_weights, 0.0, CURVATURE_WEIGHT])
     assert "libigl" in result.stdout
     assert "report.html in out" in result.stdout
     content, arrays = loaded(Path("out"))

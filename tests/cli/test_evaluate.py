@@ -108,7 +108,7 @@ def test_an_interrupted_run_goes_on(qgeo: Qgeo, loaded: Loaded, dataset: Path, m
     """Ctrl-C in the second of three pairs: the first is not matched again, nor after that any."""
     matched: list[int] = []
 
-    def counted(*args: Any) -> Any:
+    def counted(*args: Any, **options: Any) -> Any:
         matched.append(len(matched))
         if len(matched) == 2:
             raise KeyboardInterrupt

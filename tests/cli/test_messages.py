@@ -96,11 +96,11 @@ def test_a_name_that_is_no_text(meshes: Path) -> None:
 @pytest.mark.parametrize(
     ("command", "expected"),
     [
-        (("distances", "fan.off"), "fan.off: "),
+        (("distances", "fan.off", "--no-repair"), "fan.off: "),
         (("spectrum", "two.off"), "two.off: "),
         (("symmetry", "square.obj"), "square.obj: matching needs at least"),
         (("path", "two.off", 0, 200), "two.off: "),
-        (("run", "pipe.yaml", "sphere.ply", "fan.off"), "fan.off: "),
+        (("run", "pipe.yaml", "sphere.ply", "fan.off", "--no-repair"), "fan.off: "),
         (("match", "square.obj", "blob.off"), "X (square.obj): matching needs at least 60 vertices, got 49"),
         (("match", "blob.off", "square.obj"), "Y (square.obj): matching needs at least 60 vertices, got 49"),
         (("match", "blob.off", "broken.off"), "Y (broken.off): "),

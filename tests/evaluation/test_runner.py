@@ -101,7 +101,7 @@ def no_match(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Identity in place of the search; the threads that it would have had are noted."""
     threads: list[int] = []
 
-    def identity(x: PreparedShape, y: PreparedShape) -> SimpleNamespace:
+    def identity(x: PreparedShape, y: PreparedShape, **_: object) -> SimpleNamespace:
         threads.append(worker_count())
         return SimpleNamespace(p2p=np.arange(162), confident=True)
 

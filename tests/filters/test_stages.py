@@ -109,7 +109,7 @@ def test_hints_enter_the_key_however_they_are_written(cache: StageCache, monkeyp
         return f"match {len(seen)}"
 
     monkeypatch.setattr(stages, "match", spy)
-    monkeypatch.setattr(stages, "prepared_shape_of", lambda surface, *_: surface)
+    monkeypatch.setattr(stages, "prepared_shape_of", lambda surface, *_, **__: surface)
 
     def found(**hints):
         return stages.correspondence_of(surface, surface, True, **hints)

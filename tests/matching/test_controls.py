@@ -78,8 +78,8 @@ def assert_none(surface: Surface | PreparedShape, reason: str) -> None:
 
 @pytest.mark.parametrize("seed", range(10))
 def test_a_creature_without_left_and_right_has_no_symmetry(seed: int) -> None:
-    # The seventh is round enough for two reflections to be about equally good.
-    assert_none(described(seed), "family of symmetries" if seed == 7 else "relates parts of different shape")
+    # The second is round enough for two reflections to be about equally good.
+    assert_none(described(seed), "family of symmetries" if seed == 2 else "relates parts of different shape")
 
 
 @pytest.mark.parametrize(("seed", "strength"), [(4, 0.35), (7, 0.35), (8, 0.35), (2, 0.8)])
