@@ -83,8 +83,11 @@ def spectrum_of(
     check_spectrum(surface, k)
     checked_landmarks(landmarks)
 
+    if landmarks == "auto" and not is_represented(surface, landmarks):
+        landmarks = None  # the same spectrum
+
     def compute() -> Spectrum:
-        needed = landmarks is None or (landmarks == "auto" and not is_represented(surface, landmarks))
+        needed = landmarks is None
         matrix = matrix_of(metric, method, accuracy, progress) if needed else None
         return distance_spectrum(
             surface,
