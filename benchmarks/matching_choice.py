@@ -22,9 +22,13 @@ from qgeo_filters.evaluation.datasets import PointMap
 from qgeo_filters.evaluation.runner import by_target
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.matching.correspondence import competing_candidates
+from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.selection.decision import close_contenders, previewed, settled
+
+#: Everything at full resolution: maps between coarse shapes could not be compared with the truth.
+FULL = MatchingParameters(search_vertices=1_000_000, registration_vertices=1_000_000)
 
 WRONG = 0.1
 RULES = ("end", "end without relief", "trial", "both")
@@ -56,7 +60,7 @@ def _row(data: ToscaRemeshed, category: str, pairs: list[tuple[str, str]]) -> No
     ratios, chosen = [], []
     for a, b in pairs:
         for name in (a, b):
-            shapes.setdefault(name, PreparedShape(data.read(name)))
+            shapes.setdefault(name, PreparedShape(data.read(name), parameters=FULL))
         if ruler[0] != b:
             ruler = (b, distance_matrix(shapes[b].surface))
         costs, errors = _contending(shapes[a], shapes[b], data.truth(a, b), ruler[1])
@@ -74,7 +78,7 @@ def _contending(
     x: PreparedShape, y: PreparedShape, truth: PointMap, matrix: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Costs (c, 4) of the contenders by each rule, and their errors (c,)."""
-    problem = MatchProblem(x, y)
+    problem = MatchProblem(x, y, FULL)
     pool, mirrored = competing_candidates(problem)
     problem = problem.with_mirrored_y() if mirrored else problem
     close = close_contenders(problem, previewed(problem, pool))

@@ -31,7 +31,7 @@ def main() -> None:
         found = self_symmetry(shape)
         seconds = time.process_time() - start
         truth = data.symmetry(name).images
-        errors = [geodesic_error(p2p, truth, shape.surface).mean() for p2p in (found.p2p, found.nearest)]
+        errors = [geodesic_error(p2p, truth, shape.given).mean() for p2p in (found.p2p, found.nearest)]
         cells = [name, "yes" if found.found else "no", *(f"{error:.4f}" for error in errors)]
         print("| " + " | ".join([*cells, f"{found.score:.4f}", f"{seconds:.1f}"]) + " |", flush=True)
 

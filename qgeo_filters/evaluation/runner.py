@@ -224,7 +224,7 @@ def _measured(
         symmetry = self_symmetry(x)
         p2p, confident = symmetry.nearest, symmetry.found
     seconds = time.process_time() - started
-    image, target = p2p[truth.points], y.surface
+    image, target = p2p[truth.points], y.given
     matrix = ruler(target)
     if mirror is not None:
         errors = symmetric_errors(image, truth.images, mirror.images, target, matrix=matrix)
@@ -242,6 +242,6 @@ def _mirror(data: Dataset, name: str) -> PointMap | None:
 
 
 def _key(what: What, x: PreparedShape, y: PreparedShape, truth: PointMap, mirror: PointMap | None) -> str:
-    shapes = [array for shape in (x.surface, y.surface) for array in (shape.vertices, shape.faces)]
+    shapes = [array for shape in (x.given, y.given) for array in (shape.vertices, shape.faces)]
     maps = [array for one in (truth, mirror) if one for array in (one.points, one.images)]
     return content_key(what, shapes, maps)

@@ -103,7 +103,7 @@ def no_match(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
     def identity(x: PreparedShape, y: PreparedShape, **_: object) -> SimpleNamespace:
         threads.append(worker_count())
-        return SimpleNamespace(p2p=np.arange(162), confident=True)
+        return SimpleNamespace(p2p=np.arange(x.given.n_vertices), confident=True)
 
     monkeypatch.setattr(runner, "match", identity)
     monkeypatch.setattr(PreparedShape, "prepare", lambda shape: shape)
@@ -120,6 +120,27 @@ def test_a_bug_in_a_symmetry_is_not_taken_for_a_symmetry_that_is_not_known(no_ma
     (bad,) = measured(TwoSpheres(MeshError("vertex 3 is not finite")), [("ball0", "ball1")])
     assert isinstance(bad, PairFailure)
     assert bad.reason == "vertex 3 is not finite"
+
+
+def test_errors_are_those_at_full_resolution(no_match: list[int]) -> None:
+    """Of a shape that is large enough to be matched on a proxy."""
+
+    class Large(TwoSpheres):
+        def read(self, name: str) -> Surface:
+            return Surface(*icosphere(4))
+
+        def truth(self, x: str, y: str) -> PointMap:
+            return PointMap(np.arange(2562), np.arange(2562)[::-1])
+
+        def symmetry(self, name: str) -> PointMap:
+            return PointMap(np.arange(2562), np.arange(2562))
+
+    (found,) = measured(Large(), [("ball0", "ball1")])
+    assert isinstance(found, PairResult)
+    surface = Large().read("ball0")
+    gap = np.linalg.norm(surface.vertices - surface.vertices[::-1], axis=1)
+    expected = 2 * np.arcsin(gap / 2) / np.sqrt(surface.area)
+    np.testing.assert_allclose(found.errors.direct, expected, atol=0.01)
 
 
 def test_workers_hold_for_the_pairs_and_not_for_the_caller(no_match: list[int]) -> None:
