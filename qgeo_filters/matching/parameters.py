@@ -76,7 +76,7 @@ class MatchingParameters:
     curvature_weights: tuple[float, ...] = (0.0, 0.03, CURVATURE_WEIGHT)
     #: Vertices of the proxies between which maps are sought, and of those at which they are finished; from there they
     #: are carried to all vertices (benchmarks/README.md, "From coarse to fine").
-    search_vertices: int = 1500
+    search_vertices: int = 2000
     registration_vertices: int = 4000
     #: Times of heat: a paw, a limb and a half of the shape (tuning).
     hks_times: tuple[float, ...] = (0.003, 0.01, 0.03)
