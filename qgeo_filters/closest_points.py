@@ -1,4 +1,4 @@
-"""Closest points of a surface that do not jump to another sheet where two pass close to each other."""
+"""Closest points of a surface: in space, or on the sheet that faces the same way where two pass close to each other."""
 
 from __future__ import annotations
 
@@ -7,14 +7,28 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from qgeo_filters._typing import FloatArray, IndexArray
-from qgeo_filters.barycentric import nearest_in_triangles
+from qgeo_filters.barycentric import BarycentricMap, nearest_in_triangles
 from qgeo_filters.surface import Surface
+from qgeo_filters.validation import frozen
 
 # Candidates that are looked at where the nearest one faces away.
 _CANDIDATES = 32
 # Weight of normals beside places on a surface of unit area: a sheet's other side, which differs by 2 in its normal, is
 # as far as a fifth of the surface's size.
 _TURN = 0.1
+
+
+def closest_points(points: FloatArray, surface: Surface) -> BarycentricMap:
+    """Point of the surface closest in space to each point, (k, 3); none where a coordinate is not finite."""
+    known = np.isfinite(points).all(axis=1)
+    vertices, scaled = _unit(surface, surface.vertices), _unit(surface, points[known])
+    faces = surface.faces.astype(np.int64)
+    place = BarycentricMap.unknown(len(points))
+    if known.any():
+        _, face, _ = igl.point_mesh_squared_distance(scaled, vertices, faces)
+        place.faces[known], place.corners[known] = face, faces[face]
+        place.coordinates[known], _ = nearest_in_triangles(scaled, vertices[faces[face]])
+    return BarycentricMap(frozen(place.faces), frozen(place.corners), frozen(place.coordinates))
 
 
 def closest_facing_points(points: FloatArray, normals: FloatArray, surface: Surface) -> tuple[IndexArray, FloatArray]:
@@ -37,7 +51,6 @@ def closest_facing_points(points: FloatArray, normals: FloatArray, surface: Surf
     Where the closest triangle faces away, the nearest ones that face the same way are compared, nearest by their
     centroids; where none of those does, the closest triangle stands.
     """
-    # libigl's tree compares with absolute tolerances: give it a surface of unit size.
     vertices, points = _unit(surface, surface.vertices), _unit(surface, points)
     _, nearest, _ = igl.point_mesh_squared_distance(points, vertices, surface.faces.astype(np.int64))
     faces: IndexArray = nearest.astype(np.int64)
@@ -56,7 +69,7 @@ def closest_facing_points(points: FloatArray, normals: FloatArray, surface: Surf
 
 
 def _unit(surface: Surface, points: FloatArray) -> FloatArray:
-    """Points where the surface has its centre in the origin and unit area."""
+    """Points where the surface has its centre in the origin and unit area: libigl's tree has absolute tolerances."""
     scaled: FloatArray = (points - surface.vertices.mean(axis=0)) / (np.sqrt(surface.area) or 1.0)
     return scaled
 

@@ -53,7 +53,7 @@ def test_a_matrix_that_does_not_fit_is_refused_at_once(monkeypatch: pytest.Monke
 
 def test_nothing_is_refused_where_nothing_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(memory, "available_memory", lambda: None)
-    memory.require_memory(1 << 60, "everything", "take less")
+    assert memory.require_memory(1 << 60, "everything", "take less") is None
 
 
 @pytest.mark.skipif(not LIMITED, reason="this system does not limit a process's address space")

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from qgeo_filters.closest_points import closest_points
 from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.registry import registered
 from qgeo_filters.hosts.dispatch import surface_and_repair
 from qgeo_filters.matching.maps.barycentric import BarycentricMap
-from qgeo_filters.matching.maps.closest_points import closest_points
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.surface import Surface
 

@@ -130,12 +130,16 @@ def match(
 
     Notes
     -----
+    Maps are sought between proxies of 2000 vertices, registered to the end at 4000 at most, and carried to all
+    vertices. A quick search with one metric comes first; the following is what is done where it leaves any doubt
+    (`MatchingParameters`).
+
     Coarse maps come from all choices of signs of the first eigenfunctions of the distances, in several metrics
     (`sign_search`), grown by spectral upsampling, and from likely matchings of the ends of limbs (`extrema_maps`). A
     shape with a left and a right has a mirrored map for every good one, which keeps distances as well: that of
     each map that turns the surface inside out is made by the self-symmetry, and only maps that keep the orientation
     compete. The best is the one along which X deforms with the least strain, tearing and folding onto parts that are
-    alike (`choose_map`), registered on all vertices (`register`). The result does not depend on the signs
+    alike (`choose_map`), registered to the end (`finished`). The result does not depend on the signs
     and order that a solver returns, nor on position and size.
 
     Hints propose maps of their own, make maps dearer that disagree with them at each choice, and are felt by the

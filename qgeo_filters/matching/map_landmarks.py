@@ -6,10 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.closest_points import closest_points
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.io.landmarks import Landmarks
 from qgeo_filters.matching.maps.barycentric import BarycentricMap, nearest_around
-from qgeo_filters.matching.maps.closest_points import closest_points
 from qgeo_filters.repair.welding import welded
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices

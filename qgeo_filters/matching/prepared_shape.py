@@ -27,7 +27,7 @@ from qgeo_filters.validation import frozen
 
 
 class PreparedShape(Level):
-    """A shape prepared for matching: unit-area copy, distances, spectra, farthest points; each on first use.
+    """A shape prepared for matching, at three resolutions: coarse, with distances and spectra, fine, and full.
 
     Parameters
     ----------
@@ -55,9 +55,10 @@ class PreparedShape(Level):
 
     Notes
     -----
-    A shape that is inside out is turned over, since its left would be taken for its right. Memory is O(800 n): the
-    matrix of all distances is dropped once it has been used. Distances are measured on the surface as it is, and what
-    is derived from them is brought to unit area.
+    A shape that is inside out is turned over, since its left would be taken for its right. What
+    it has as a `Level`, such as ``surface`` and ``unit``, is coarse: a proxy on which maps are sought, where the shape
+    has more than 2400 vertices. All that is expensive is computed there, on first use: memory is O(n). Distances are
+    measured on the surface as it is, and what is derived from them is brought to unit area.
     """
 
     @renamed_parameters(weights="curvature_weights")
@@ -84,7 +85,6 @@ class PreparedShape(Level):
         check_matchable(self.full, chosen, repaired=self.repair is not None)
         self.winding = self.full.winding
         """Which side of that surface is out; what looks inwards is turned over, vertices as they are."""
-        self.surface = self.full.turned_over() if self.winding == "inward" else self.full
         self.oriented = self.full.turned_over() if self.winding == "inward" else self.full
         """The surface whose map is found, at full resolution."""
         self.fine_proxy = decimated(self.oriented, resolution(self.oriented, chosen.registration_vertices))
@@ -99,7 +99,7 @@ class PreparedShape(Level):
         """Self-symmetries that were found, by tolerance and parameters."""
 
     def __repr__(self) -> str:
-        return f"PreparedShape({self.surface!r}, curvature_weights={self.parameters.curvature_weights})"
+        return f"PreparedShape({self.full!r}, curvature_weights={self.parameters.curvature_weights})"
 
     @classmethod
     def of(

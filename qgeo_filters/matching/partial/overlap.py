@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.barycentric import BarycentricMap, nearest_in_triangles
 from qgeo_filters.closest_points import closest_facing_points
 from qgeo_filters.matching.partial.part_registration import PartMap
@@ -94,15 +94,6 @@ def _only(places: BarycentricMap, kept: npt.NDArray[np.bool_]) -> BarycentricMap
         frozen(np.where(kept[:, None], places.corners, -1)),
         frozen(np.where(kept[:, None], places.coordinates, np.nan)),
     )
-
-
-def vertices_of(places: BarycentricMap) -> IndexArray:
-    """Corner of largest weight, (n,), -1 where there is none."""
-    known = places.faces >= 0
-    result = np.full(len(known), -1, dtype=np.int64)
-    weights = places.coordinates[known]
-    result[known] = places.corners[known][np.arange(len(weights)), weights.argmax(axis=1)]
-    return result
 
 
 def in_faces_of(places: BarycentricMap, surface: Surface) -> BarycentricMap:

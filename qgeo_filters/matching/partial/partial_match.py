@@ -14,7 +14,7 @@ from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.partial.distance_bounds import distance_bounds, violations
-from qgeo_filters.matching.partial.overlap import Overlap, in_faces_of, overlap, vertices_of
+from qgeo_filters.matching.partial.overlap import Overlap, in_faces_of, overlap
 from qgeo_filters.matching.partial.part_choice import PartChoice, PartDecision, images_apart
 from qgeo_filters.matching.partial.part_shape import PartShape
 from qgeo_filters.matching.partial.part_verdict import part_verdict
@@ -130,7 +130,7 @@ class _Pair:
         unit = float(np.sqrt(whole.full.area))
         return cls(
             _part_shape(part, unit, given),
-            PartShape(_outside_out(whole), unit, given.whole_vertices, given.whole_points, given),
+            PartShape(whole.oriented, unit, given.whole_vertices, given.whole_points, given),
         )
 
 
@@ -169,7 +169,7 @@ def _sized(pair: _Pair, log: MatchLog) -> tuple[_Pair, PartDecision]:
 
 
 def _part_shape(part: PreparedShape, unit: float, given: PartialParameters) -> PartShape:
-    return PartShape(_outside_out(part), unit, given.part_vertices, given.part_points, given)
+    return PartShape(part.oriented, unit, given.part_vertices, given.part_points, given)
 
 
 def _relative_size(pair: _Pair, decision: PartDecision) -> float:
@@ -183,10 +183,6 @@ def _relative_size(pair: _Pair, decision: PartDecision) -> float:
     return float(np.median(there[told] / most[told])) if told.any() else 1.0
 
 
-def _outside_out(shape: PreparedShape) -> Surface:
-    return shape.full.turned_over() if shape.winding == "inward" else shape.full
-
-
 def _described(problem: MatchProblem, pair: _Pair, decision: PartDecision, x_is_part: bool) -> MatchResult:
     part, whole, best = pair.part, pair.whole, decision.best
     found = overlap(part, whole, best.map)
@@ -198,7 +194,7 @@ def _described(problem: MatchProblem, pair: _Pair, decision: PartDecision, x_is_
     regions = _regions(whole, found)
     on_whole = in_faces_of(found.on_whole, (problem.y if x_is_part else problem.x).full)
     on_part = in_faces_of(found.on_part, (problem.x if x_is_part else problem.y).full)
-    to_whole, to_part = vertices_of(on_whole), vertices_of(on_part)
+    to_whole, to_part = on_whole.nearest_corner, on_part.nearest_corner
     k = min(20, part.laplacian.shape[1], whole.laplacian.shape[1])
     low_part, low_whole = part.laplacian[:, :k].astype(np.float64), whole.laplacian[:, :k].astype(np.float64)
     if x_is_part:
