@@ -57,7 +57,7 @@ def write(path: Path, landmarks: Landmarks) -> bytes:
     writer = csv.writer(out, delimiter="," if path.suffix.lower() == ".csv" else "\t", lineterminator="\n")
     writer.writerow(["name", *("xyz" if placed else ""), *(["vertex"] if meshed else [])])
     for name, point, vertex in zip(landmarks.names, landmarks.points, landmarks.vertices.tolist(), strict=True):
-        writer.writerow([name, *(words_of(point, "") if placed else []), *([vertex] if meshed else [])])
+        writer.writerow([name, *(words_of(point, "NA") if placed else []), *([vertex] if meshed else [])])
     return out.getvalue().encode("utf-8", errors="backslashreplace")
 
 

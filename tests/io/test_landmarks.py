@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 import qgeo_filters as qg
@@ -97,6 +97,7 @@ _rows = st.lists(
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(rows=_rows, frame=st.sampled_from([None, "RAS", "LPS"]))
+@example(rows=[("", None, -1)], frame=None)  # nothing is known of it, but that it is there
 def test_everything_that_the_format_holds_comes_back(tmp_path: Path, suffix: str, rows: list[Any], frame: Any) -> None:
     points = np.array([point or (np.nan,) * 3 for _, point, _ in rows])
     table = suffix in (".csv", ".tsv", ".txt")
