@@ -21,10 +21,10 @@ from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
 from qgeo_filters.evaluation.datasets import PointMap
 from qgeo_filters.evaluation.runner import by_target
 from qgeo_filters.geodesics.matrix import distance_matrix
-from qgeo_filters.matching.correspondence import competing_candidates
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.problem import MatchProblem
+from qgeo_filters.matching.search import competing_candidates
 from qgeo_filters.matching.selection.decision import close_contenders, previewed, settled
 
 #: Everything at full resolution: maps between coarse shapes could not be compared with the truth.
@@ -79,8 +79,8 @@ def _contending(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Costs (c, 4) of the contenders by each rule, and their errors (c,)."""
     problem = MatchProblem(x, y, FULL)
-    pool, mirrored = competing_candidates(problem)
-    problem = problem.with_mirrored_y() if mirrored else problem
+    keeping, reversing, _ = competing_candidates(problem)
+    pool, problem = (keeping, problem) if keeping else (reversing, problem.with_mirrored_y())
     close = close_contenders(problem, previewed(problem, pool))
     ends = settled(problem, close)
     x.arap.release()

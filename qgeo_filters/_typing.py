@@ -19,3 +19,4 @@ IntArray = npt.NDArray[np.int32]
 RepairOption: TypeAlias = bool | Literal["auto", "force"]
 #: Whether one shape is matched as a part of the other; "auto" decides from the shapes.
 PartialOption: TypeAlias = bool | Literal["auto"]
+MirrorOption: TypeAlias = Literal["no", "yes", "auto"]

@@ -141,6 +141,11 @@ def crooked(seed: int) -> Mesh:
     return limbed(tuple(map(tuple, directions.tolist())), (1.3, 1.0, 0.8, 0.6, 0.5))
 
 
+def reflected(mesh: Mesh) -> Mesh:
+    """The mirror image of a mesh, faces turned over so that they look outwards again."""
+    return mesh[0] * [-1, 1, 1], mesh[1][:, ::-1]
+
+
 def creature(left: float = 1.2, level: int = 3) -> Mesh:
     """A body with head, tail and two pairs of limbs, mirrored in x = 0 unless ``left``, a length, is not 1.2."""
     directions = ((0.6, 0.7, -0.6), (-0.6, 0.7, -0.6), (0.6, -0.7, -0.6), (-0.6, -0.7, -0.6), (0, 1, 0.4), (0, -1, 0.2))

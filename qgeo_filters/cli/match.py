@@ -77,6 +77,10 @@ def match(
             show_default=False,
         ),
     ] = None,
+    mirror: Annotated[
+        Literal["auto", "no", "yes"],
+        typer.Option("--mirror", help="Whether Y is a mirror image of X, as a left bone is of a right one."),
+    ] = "auto",
     workers: Workers = None,
     output: Output = None,
     repair: Repair = None,
@@ -116,6 +120,7 @@ def match(
         "frame": frame,
         "repair": mend,
         "partial": as_part,
+        "mirror": mirror,
     }
     written = [outputs.SCENE] * glb + [outputs.MAP_TABLE] * csv
     if landmarks_file is not None:
@@ -150,6 +155,7 @@ def match(
             repair_x=mend,
             repair_y=mend,
             partial=as_part,
+            mirror=mirror,
             landmarks=landmarks,
         )
     for index, name in enumerate(("X: ", "Y: ")):

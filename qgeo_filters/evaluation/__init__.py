@@ -1,16 +1,6 @@
 """Errors of maps against the truth, tables of them, and readers of the public data sets."""
 
-from qgeo_filters.evaluation.datasets import (
-    Dataset,
-    IndexedDataset,
-    NoTruthError,
-    PointMap,
-    Shrec19,
-    ToscaLowres,
-    ToscaRemeshed,
-    VtsDataset,
-    read_vts,
-)
+from qgeo_filters.evaluation.datasets import Dataset, NoTruthError, PointMap, read_vts
 from qgeo_filters.evaluation.download import SOURCES, Source, fetch
 from qgeo_filters.evaluation.errors import (
     ErrorSummary,
@@ -20,23 +10,30 @@ from qgeo_filters.evaluation.errors import (
     mirrored,
     symmetric_errors,
 )
+from qgeo_filters.evaluation.pair_datasets import PartialDataset, Shrec19, TopKids
 from qgeo_filters.evaluation.runner import PairFailure, PairStore, by_target, measured
 from qgeo_filters.evaluation.tables import PairResult, Row, markdown, rows_by_category
+from qgeo_filters.evaluation.template_datasets import Dt4d, SplitDataset, VtsDataset
+from qgeo_filters.evaluation.tosca_datasets import IndexedDataset, ToscaLowres, ToscaRemeshed
 
 __all__ = [
     "SOURCES",
     "Dataset",
+    "Dt4d",
     "ErrorSummary",
     "IndexedDataset",
     "NoTruthError",
     "PairFailure",
     "PairResult",
     "PairStore",
+    "PartialDataset",
     "PointMap",
     "Row",
     "Shrec19",
     "Source",
+    "SplitDataset",
     "SymmetricErrors",
+    "TopKids",
     "ToscaLowres",
     "ToscaRemeshed",
     "VtsDataset",

@@ -15,7 +15,9 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from qgeo_filters.errors import MeshError, ParameterError, of_file, require_package
-from qgeo_filters.evaluation.datasets import Dataset, IndexedDataset, VtsDataset
+from qgeo_filters.evaluation.datasets import Dataset
+from qgeo_filters.evaluation.template_datasets import VtsDataset
+from qgeo_filters.evaluation.tosca_datasets import IndexedDataset
 
 
 @dataclass(frozen=True)

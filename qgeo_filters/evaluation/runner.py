@@ -12,10 +12,11 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import IndexArray
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import MeshError, ParameterError, QgeoError, reason
 from qgeo_filters.evaluation.datasets import Dataset, NoTruthError, PointMap
-from qgeo_filters.evaluation.errors import SymmetricErrors, geodesic_error, symmetric_errors
+from qgeo_filters.evaluation.errors import SymmetricErrors, geodesic_error
 from qgeo_filters.evaluation.tables import PairResult
 from qgeo_filters.fingerprint import content_key
 from qgeo_filters.geodesics.matrix import distance_matrix
@@ -161,7 +162,7 @@ def measured(
                 if one not in shapes:
                     shapes[one] = PreparedShape(data.read(one))
             truth = data.truth(x, y) if what == "match" else data.symmetry(x)
-            mirror = _mirror(data, y) if what == "match" else None
+            mirror = _mirror(data, x, y) if what == "match" else None
             key = _key(what, shapes[x], shapes[y], truth, mirror)
             kept = store.load(name, data.category(x), key) if store else None
             with default_workers(count):  # not around the yield: the caller's own work is not bounded
@@ -210,7 +211,7 @@ def _measured(
     x: PreparedShape,
     y: PreparedShape,
     truth: PointMap,
-    mirror: PointMap | None,
+    mirror: IndexArray | None,
     what: What,
     ruler: Ruler,
 ) -> PairResult:
@@ -226,22 +227,21 @@ def _measured(
     seconds = time.process_time() - started
     image, target = p2p[truth.points], y.given
     matrix = ruler(target)
+    direct = geodesic_error(image, truth.images, target, matrix=matrix)
     if mirror is not None:
-        errors = symmetric_errors(image, truth.images, mirror.images, target, matrix=matrix)
+        errors = SymmetricErrors(direct, geodesic_error(image, mirror, target, matrix=matrix))
     else:  # a mirrored map cannot be told from a wrong one
-        direct = geodesic_error(image, truth.images, target, matrix=matrix)
         errors = SymmetricErrors(direct, direct)
     return PairResult(name, category, errors, confident, seconds, p2p)
 
 
-def _mirror(data: Dataset, name: str) -> PointMap | None:
+def _mirror(data: Dataset, x: str, y: str) -> IndexArray | None:
     try:
-        return data.symmetry(name)
+        return data.reflected_images(x, y)
     except NoTruthError:
         return None
 
 
-def _key(what: What, x: PreparedShape, y: PreparedShape, truth: PointMap, mirror: PointMap | None) -> str:
+def _key(what: What, x: PreparedShape, y: PreparedShape, truth: PointMap, mirror: IndexArray | None) -> str:
     shapes = [array for shape in (x.given, y.given) for array in (shape.vertices, shape.faces)]
-    maps = [array for one in (truth, mirror) if one for array in (one.points, one.images)]
-    return content_key(what, shapes, maps)
+    return content_key(what, shapes, [truth.points, truth.images], mirror)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from qgeo_filters._typing import PartialOption
+from qgeo_filters._typing import MirrorOption, PartialOption
 from qgeo_filters.defaults import CURVATURE_WEIGHT, SYMMETRY_K0
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.errors import ParameterError
@@ -114,6 +114,8 @@ class Correspondence(Filter):
         Whether to compare the shapes regardless of size.
     partial : bool, "auto"
         Whether one shape is a part of the other, see `match`: -1 and NaN where there is no partner.
+    mirror : {"auto", "no", "yes"}
+        Whether the map may reverse the orientation, see `match`.
     landmarks, labels : optional
         What is known of the map, see `match`: pairs (vertex of the mesh, vertex of the target) or points, and the part
         of each vertex of the mesh and of the target.
@@ -139,12 +141,14 @@ class Correspondence(Filter):
         target: Any = None,
         normalize: bool = True,
         partial: PartialOption = "auto",
+        mirror: MirrorOption = "auto",
         landmarks: Any = None,
         labels: Any = None,
     ) -> None:
         self.target = target
         self.normalize = normalize
         self.partial = partial
+        self.mirror = mirror
         self.landmarks = landmarks
         self.labels = labels
 
@@ -164,9 +168,16 @@ class Correspondence(Filter):
         if self.target is None:
             raise ParameterError("Correspondence needs the other shape: Correspondence(target=mesh)")
         target, _ = surface_and_repair(self.target, "auto")
-        hints = {"landmarks": self.landmarks, "labels": self.labels}
         found = stages.correspondence_of(
-            surface, target, self.normalize, progress, repair_x=False, partial=self.partial, **hints
+            surface,
+            target,
+            self.normalize,
+            progress,
+            repair_x=False,
+            partial=self.partial,
+            mirror=self.mirror,
+            landmarks=self.landmarks,
+            labels=self.labels,
         )
         self.correspondence_ = found
         return {

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from qgeo_filters._typing import PartialOption, RepairOption
+from qgeo_filters._typing import MirrorOption, PartialOption, RepairOption
 from qgeo_filters.caching import cache
 from qgeo_filters.differential.scalar import BUILT_IN, Scalar
 from qgeo_filters.fingerprint import content_key
@@ -26,6 +26,7 @@ from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.partial.partial_match import matched_as_part, may_be_part
 from qgeo_filters.matching.prepared_shape import PreparedShape, check_same_size
+from qgeo_filters.matching.search import checked_mirror
 from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
 from qgeo_filters.parallel import default_workers, worker_count
 from qgeo_filters.spectral.distance_spectrum import Landmarks, checked_landmarks, distance_spectrum, is_represented
@@ -144,11 +145,13 @@ def correspondence_of(
     repair_x: RepairOption = "auto",
     repair_y: RepairOption = "auto",
     partial: PartialOption = "auto",
+    mirror: MirrorOption = "auto",
     landmarks: LandmarkPairs | None = None,
     labels: LabelPair | None = None,
 ) -> MatchResult:
     """Correspondence of two surfaces, see `match`."""
     hints = Hints.of(x, y, landmarks, labels)
+    checked_mirror(mirror)
     repair_x, repair_y = _needed(x, repair_x), _needed(y, repair_y)
     as_part = matched_as_part(x, y, partial, normalize)
     if partial == "auto" and not as_part and not may_be_part(x, y):
@@ -167,13 +170,14 @@ def correspondence_of(
             prepared(y, repair_y),
             normalize=normalize,
             partial=partial,
+            mirror=mirror,
             landmarks=hints.landmarks if len(hints.landmarks) else None,
             labels=labels and hints.labels,
         )
 
     shapes = x.vertices, x.faces, y.vertices, y.faces, repair_x, repair_y
     key = content_key(
-        "correspondence", *shapes, normalize, partial, MatchingParameters(), hints.landmarks, *hints.labels
+        "correspondence", *shapes, normalize, partial, mirror, MatchingParameters(), hints.landmarks, *hints.labels
     )
     return _kept(key, compute, workers=workers)
 

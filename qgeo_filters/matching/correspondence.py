@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Literal, overload
 
 import numpy as np
 from tqdm.auto import tqdm
 
-from qgeo_filters._typing import PartialOption, RepairOption
+from qgeo_filters._typing import MirrorOption, PartialOption, RepairOption
 from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.matching.finish import at_full_resolution, finished
 from qgeo_filters.matching.given_vertices import match_on_given
 from qgeo_filters.matching.hints import LabelPair, LandmarkPairs
-from qgeo_filters.matching.initialization.candidates import Candidate, candidates, mirrored_map
 from qgeo_filters.matching.maps.barycentric import barycentric_map
 from qgeo_filters.matching.maps.functional_map import functional_map
 from qgeo_filters.matching.maps.orientation import orientation
@@ -25,11 +23,10 @@ from qgeo_filters.matching.partial.partial_match import better_as_part, matched_
 from qgeo_filters.matching.prepared_shape import Shape, check_same_size
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.regions import eigenfunction_regions
-from qgeo_filters.matching.selection.decision import Decision, choose_map
+from qgeo_filters.matching.search import Found, checked_mirror, chosen_map
 from qgeo_filters.matching.selection.signatures import hks_agreement
 from qgeo_filters.matching.smooth_shells import DenseMap
-from qgeo_filters.matching.symmetry import reflection_of
-from qgeo_filters.matching.verdict import verdict, with_hints, with_sides
+from qgeo_filters.matching.verdict import verdict, with_hand, with_hints, with_sides
 from qgeo_filters.parallel import default_workers, single_threaded_blas
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
 from qgeo_filters.validation import frozen
@@ -43,6 +40,7 @@ def match(
     normalize: bool = ...,
     repair: RepairOption = ...,
     partial: PartialOption = ...,
+    mirror: MirrorOption = ...,
     landmarks: LandmarkPairs | None = ...,
     labels: LabelPair | None = ...,
     parameters: MatchingParameters | None = ...,
@@ -58,6 +56,7 @@ def match(
     normalize: bool = ...,
     repair: RepairOption = ...,
     partial: PartialOption = ...,
+    mirror: MirrorOption = ...,
     landmarks: LandmarkPairs | None = ...,
     labels: LabelPair | None = ...,
     parameters: MatchingParameters | None = ...,
@@ -72,6 +71,7 @@ def match(
     normalize: bool = True,
     repair: RepairOption = "auto",
     partial: PartialOption = "auto",
+    mirror: MirrorOption = "auto",
     landmarks: LandmarkPairs | None = None,
     labels: LabelPair | None = None,
     parameters: MatchingParameters | None = None,
@@ -100,6 +100,10 @@ def match(
         has one; see `partial_match`. By default, "auto", so it is where one shape has a boundary and less area than the
         other and sizes count (``normalize=False``), or else if the match of the whole shapes is not sure, and that of
         the part is.
+    mirror : {"auto", "no", "yes"}
+        Whether the map may reverse the orientation, as that of a left bone onto a right one must. By default, "auto",
+        it may where neither shape has a left and a right of its own and the best such map is clearly better; where one
+        has, a map in the right hand is as good. "yes" finds a reversing map in any case, "no" never.
     landmarks : sequence of (int, int), pair of (k, 3) arrays, or pair of Landmarks, optional
         What is known: pairs (vertex of X, vertex of Y), or points on X and those on Y that they belong to, or
         landmarks of equal names; to within a few edges. Even a single one steers the search. Which of them the map
@@ -146,12 +150,15 @@ def match(
     registration near them (`KnownParts`). They may say that Y is a mirror image. The map is not confident if it
     contradicts one of them, or if without them another map would clearly have been chosen.
     """
+    checked_mirror(mirror)
     bar = tqdm(total=4, desc="prepare X", disable=not progress)
     with default_workers(workers), single_threaded_blas, bar:
         problem = MatchProblem.of(
             x, y, parameters, repair=repair, landmarks=landmarks, labels=labels, progress=progress
         )
         if matched_as_part(problem.x.full, problem.y.full, partial, normalize):
+            if mirror == "yes":
+                raise ParameterError("partial matches keep the orientation: reflect one shape, or leave out partial")
             if landmarks is not None or labels is not None:
                 raise ParameterError(
                     "landmarks and labels do not steer partial matches yet: leave them out, or partial"
@@ -166,12 +173,12 @@ def match(
         with concerning("Y"):
             problem.y.prepare()
         _next(bar, "search")
-        decision, mirrored = chosen_map(problem)
+        choice = chosen_map(problem, mirror)
         _next(bar, "register")
-        dense = finished(problem.with_mirrored_y() if mirrored else problem, decision.dense)
+        dense = finished(problem.with_mirrored_y() if choice.mirrored else problem, choice.decision.dense)
         _next(bar, "matched")
-        found = _described(problem, decision, dense, mirrored)
-        if partial == "auto" and landmarks is None and labels is None:
+        found = _described(problem, choice, dense, mirror)
+        if partial == "auto" and mirror != "yes" and landmarks is None and labels is None:
             found = better_as_part(problem, found)
         result = match_on_given(found, problem.x, problem.y)
     return (result, result.log) if log else result
@@ -182,65 +189,8 @@ def _next(bar: tqdm, stage: str) -> None:
     bar.set_description(stage)
 
 
-def chosen_map(problem: MatchProblem) -> tuple[Decision, bool]:
-    """The best map between the coarse shapes, and whether it is one onto the mirror image of Y.
-
-    A quick search first; where it leaves any doubt, all that there is.
-    """
-    if problem.parameters.quick and problem.known is None:  # hints may contradict what seems clear
-        attempt = _first_attempt(problem)
-        if attempt is not None:
-            return attempt, False
-    pool, mirrored = competing_candidates(problem)
-    return choose_map(problem.with_mirrored_y() if mirrored else problem, pool), mirrored
-
-
-def _first_attempt(problem: MatchProblem) -> Decision | None:
-    """The best map that a quick search finds, unless there is any doubt."""
-    given = problem.parameters
-    quick = replace(problem, parameters=given.first_attempt(), log=MatchLog())
-    proposed = candidates(quick)
-    kept = [c for c in proposed if c.orientation > 0]
-    for c in proposed:
-        if c.orientation <= 0:
-            quick.log.drop(c.number, "reverses the orientation")
-    if not kept:
-        return None
-    decision = choose_map(quick, kept)
-    clear = (
-        decision.margin >= given.quick_margin
-        and decision.mean_distortion <= given.quick_distortion
-        and decision.hks_agreement >= given.quick_alike
-    )
-    if not clear:
-        return None
-    problem.log.maps.extend(quick.log.maps)
-    return decision
-
-
-def competing_candidates(problem: MatchProblem) -> tuple[list[Candidate], bool]:
-    """Maps that keep the orientation; or those that reverse it, and True, if none of the former keeps distances."""
-    x, y, given, log = problem.x, problem.y, problem.parameters, problem.log
-    proposed = candidates(problem)
-    kept = [c for c in proposed if c.orientation > 0]
-    reversing = [c for c in proposed if c.orientation <= 0]
-    if reversing:
-        mirror = reflection_of(y, given)
-        other = reflection_of(x, given) if mirror is None else mirror
-        if other is not None:
-            kept += [mirrored_map(problem, c, other, of_y=mirror is not None) for c in reversing]
-    mirrored = not kept or (
-        # Not one of the maps in the right hand is nearly as good: Y is the mirror image of something asymmetric, or of
-        # what the hints say.
-        bool(reversing) and min(c.rank for c in reversing) < given.mirror_image_ratio * min(c.rank for c in kept)
-    )
-    for c in kept if mirrored else reversing:
-        log.drop(c.number, "keeps the orientation, but not distances" if mirrored else "reverses the orientation")
-    return (reversing if mirrored else kept), mirrored
-
-
-def _described(problem: MatchProblem, decision: Decision, dense: DenseMap, mirrored: bool) -> MatchResult:
-    x, y = problem.x, problem.y
+def _described(problem: MatchProblem, choice: Found, dense: DenseMap, mirror: MirrorOption) -> MatchResult:
+    x, y, decision, mirrored = problem.x, problem.y, choice.decision, choice.mirrored
     full = at_full_resolution(problem.with_mirrored_y() if mirrored else problem, dense)
     p2p = full.p2p
     distortion = point_distortions(problem, p2p)
@@ -248,7 +198,8 @@ def _described(problem: MatchProblem, decision: Decision, dense: DenseMap, mirro
     turned = orientation(x.oriented, y.oriented, p2p)
     coarse = y.vertex_of_full[p2p[x.full_vertices]]
     alike = hks_agreement(problem, coarse)
-    confident, explanation = verdict(problem.parameters, score, decision.margin, turned, alike, mirrored)
+    confident, explanation = verdict(problem.parameters, score, decision.margin, turned, alike)
+    confident, explanation = with_hand(problem, choice, mirror, confident, explanation)
     confident, explanation = with_hints(problem, coarse, decision.unhinted, confident, explanation)
     confident, explanation = with_sides({"X": x.winding, "Y": y.winding}, confident, explanation)
     of_x, of_y = x.full_spectrum, y.full_spectrum

@@ -78,7 +78,10 @@ class MatchLog:
             entry.fate = rule
 
     def choose(self, number: int) -> None:
-        """Say that this map was chosen; all others that are left cost more."""
+        """Say that this map was chosen; all others that are left cost more, an earlier choice included."""
+        for entry in self.maps:
+            if entry.fate == CHOSEN:
+                entry.fate = IN_THE_RACE
         self.maps[number].fate = CHOSEN
         for entry in self.maps:
             self.drop(entry.number, f"costs more at the end than #{number}")

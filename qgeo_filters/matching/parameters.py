@@ -109,6 +109,9 @@ class MatchingParameters:
     quick_margin: float = 2.0
     quick_alike: float = 0.95
     quick_distortion: float = 0.1
+    #: Nor if a map of the other handedness distorts distances by less than this times as much: teeth of a left and of a
+    #: right jaw (benchmarks/README.md, "Both hands").
+    quick_other_hand: float = 0.8
 
     # -- which maps are different ----------------------------------------------------------------------------
     #: Mean distance between the images of two maps from which they are different (tuning) ...
@@ -166,6 +169,8 @@ class MatchingParameters:
     one_sided: float = 0.15
     #: Y is the mirror image of something asymmetric if reversing maps distort less than this times the keeping ones.
     mirror_image_ratio: float = 0.5
+    #: Or if the best of the others costs this many times as much as the best of them.
+    mirror_image_cost: float = 1.3
 
     # -- spectral upsampling of candidates -------------------------------------------------------------------
     #: Farthest points and step of the growth from 20 eigenfunctions of the distances on (tuning: as good as all).
@@ -270,6 +275,8 @@ class MatchingParameters:
     probes: int = 200
     #: The runner-up must cost this many times as much (tuning: right maps 1.29 and more; a sphere has many at 1).
     margin: float = 1.3
+    #: The best map of the other handedness must cost this many times as much.
+    clear_hand: float = 1.3
     #: Mean distortion up to which shapes are near-isometric (tuning .01 to .04; different animals .2).
     near_isometric: float = 0.12
     #: Agreement of heat kernels: poses of TOSCA have .96 to 1, different creatures .57 to .67.

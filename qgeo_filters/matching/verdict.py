@@ -6,21 +6,17 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from qgeo_filters._typing import IndexArray
+from qgeo_filters._typing import IndexArray, MirrorOption
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.problem import MatchProblem
+from qgeo_filters.matching.search import Found
 from qgeo_filters.repair.winding import Winding
 
 
-def verdict(
-    given: MatchingParameters, score: float, margin: float, turned: float, alike: float, mirrored: bool
-) -> tuple[bool, str]:
+def verdict(given: MatchingParameters, score: float, margin: float, turned: float, alike: float) -> tuple[bool, str]:
     """Whether a map of this distortion (score), margin, orientation and agreement of heat kernels is sure, and why."""
-    hand = "Y is matched as a mirror image of X: no map that keeps the orientation keeps distances" if mirrored else ""
     if score > given.near_isometric:
-        return False, f"distances differ by {score:.3f} sqrt(area) in the mean: the shapes are not near-isometric" + (
-            f"; {hand}" if hand else ""
-        )
+        return False, f"distances differ by {score:.3f} sqrt(area) in the mean: the shapes are not near-isometric"
     if abs(turned) < given.settled_orientation:
         return False, f"the map turns much of the surface over (orientation {turned:.2f}): parts may be mirrored"
     if alike < given.match_alike:
@@ -33,10 +29,32 @@ def verdict(
             f"another map fits nearly as well (its cost is {margin:.2f} times as large): "
             "the shape looks alike in more than one way"
         )
-    if mirrored:
-        return False, hand
     rival = f"the next different map costs {margin:.1f} times as much" if margin < np.inf else "there is no other map"
     return True, f"distances are kept to {score:.3f} sqrt(area) in the mean; {rival}"
+
+
+def with_hand(
+    problem: MatchProblem, choice: Found, mirror: MirrorOption, confident: bool, explanation: str
+) -> tuple[bool, str]:
+    """The verdict once it is known how clear it is whether Y is matched as a mirror image of X."""
+    if mirror == "yes":
+        return confident, f"{explanation}; Y is matched as a mirror image of X, as was asked for"
+    clear = choice.other_hand >= problem.parameters.clear_hand
+    if choice.mirrored and problem.known:  # they chose it, and may be mistaken
+        return False, f"{explanation}; Y is matched as a mirror image of X, as the hints have it: mirror='yes' says so"
+    if choice.mirrored:
+        other = "no map that keeps the orientation keeps distances"
+        if not clear:
+            other = f"but the best map that keeps the orientation is only {choice.other_hand:.2f} times as bad"
+        elif choice.other_hand < np.inf:
+            other = f"the best map that keeps the orientation is {choice.other_hand:.1f} times as bad"
+        return confident and clear, f"{explanation}; Y is matched as a mirror image of X: {other}"
+    if confident and not clear:
+        return False, (
+            f"{explanation}; but Y may be the mirror image of X: the best map onto that costs "
+            f"{choice.other_hand:.2f} times as much"
+        )
+    return confident, explanation
 
 
 def with_hints(

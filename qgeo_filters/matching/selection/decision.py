@@ -33,6 +33,8 @@ class Decision:
         How many times its cost the next different contender's is; inf if there is none.
     runner_up : float
         Distortion of that one.
+    cost, unhinted_cost : float
+        What it costs where it ends, see `Contender.end_cost`, and without the hints.
     unhinted : float
         How many times its cost the cheapest different contender's would be if there were no hints; inf without any.
     """
@@ -42,6 +44,8 @@ class Decision:
     mean_distortion: float
     margin: float
     runner_up: float
+    cost: float
+    unhinted_cost: float
     unhinted: float = np.inf
 
 
@@ -168,7 +172,10 @@ def _with_parts_turned(problem: MatchProblem, best: Contender) -> Contender:
 
 
 def _decided(best: Contender, margin: float, runner_up: float, unhinted: float) -> Decision:
-    return Decision(best.dense, best.hks_agreement, best.mean_distortion, margin, runner_up, unhinted)
+    return Decision(
+        best.dense, best.hks_agreement, best.mean_distortion, margin, runner_up,
+        best.end_cost, best.end_cost / best.penalty, unhinted,
+    )  # fmt: skip
 
 
 def _differ(problem: MatchProblem, one: Candidate, other: Candidate) -> bool:

@@ -1,0 +1,76 @@
+"""Maps that may, must or must not reverse the orientation."""
+
+from __future__ import annotations
+
+import functools
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shapes import crooked, reflected
+
+import qgeo_filters as qg
+from qgeo_filters.evaluation import VtsDataset, geodesic_error
+
+
+@functools.cache
+def described(seed: int) -> qg.PreparedShape:
+    return qg.PreparedShape(qg.Surface(*crooked(seed)))
+
+
+def other_side() -> qg.Surface:
+    """What `described(0)` is in a mirror."""
+    return qg.Surface(*reflected(crooked(0)))
+
+
+@pytest.mark.parametrize("mirror", ["auto", "yes"])
+def test_a_mirror_image_is_found_vertex_by_vertex(mirror: str) -> None:
+    found = qg.match(described(0), other_side(), mirror=mirror)
+    assert (found.p2p == np.arange(len(found.p2p))).mean() > 0.99
+    assert found.orientation < -0.6
+    assert found.confident, found.explanation
+    assert "mirror image of X" in found.explanation
+    # Positions are those on the mirror image.
+    assert np.abs(found.positions - found.y.vertices).max() < 0.05 * np.sqrt(found.y.area)
+
+
+def test_the_orientation_is_kept_where_it_must_be() -> None:
+    found = qg.match(described(0), other_side(), mirror="no")
+    assert found.orientation > 0
+    assert "mirror" not in found.explanation
+    assert found.score > 0.02  # nothing fits, which is 0 in a mirror
+
+
+def test_what_must_be_turned_over_is_turned_over() -> None:
+    """A shape onto itself, as a mirror image; left to itself, it stays as it is."""
+    found = qg.match(described(0), qg.Surface(*crooked(0)), mirror="yes")
+    assert found.orientation < 0
+    assert "as was asked for" in found.explanation
+    assert found.score > 0.02
+    same = qg.match(described(0), qg.Surface(*crooked(0)))
+    assert same.confident, same.explanation
+    np.testing.assert_array_equal(same.p2p, np.arange(len(same.p2p)))
+
+
+def test_options_that_are_none() -> None:
+    with pytest.raises(qg.ParameterError, match="mirror must be 'no', 'yes' or 'auto', got True"):
+        qg.match(described(0), other_side(), mirror=True)  # type: ignore[call-overload]
+    with pytest.raises(qg.ParameterError, match="partial matches keep the orientation"):
+        qg.match(described(0), other_side(), mirror="yes", partial=True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pair", [("H16", "H19"), ("J10", "a13")], ids=" - ".join)
+def test_teeth_of_either_jaw(data_dir: Path, pair: tuple[str, str]) -> None:
+    """A left molar onto a right one reverses the orientation, one onto another of its side keeps it."""
+    folder = data_dir / "harder" / "teeth"
+    if not folder.is_dir():
+        pytest.skip("no teeth in the data")
+    data = VtsDataset(folder)
+    x, y = (data.read(name) for name in pair)
+    truth = data.truth(*pair)
+    found = qg.match(x, y)
+    assert (found.orientation < 0) == data.reversing(*pair)
+    assert found.confident, found.explanation
+    # Landmarks are set by hand, to within .03 or so.
+    assert geodesic_error(found.p2p[truth.points], truth.images, y).mean() < 0.05
