@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from functools import partial
+from dataclasses import asdict
+from functools import partial as applied
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -12,23 +13,30 @@ from qgeo_filters.cli.options import Json, Output, Pictures, Quiet, Settings, Wo
 from qgeo_filters.errors import ParameterError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from qgeo_filters.cli.job import Job
     from qgeo_filters.evaluation import Dataset, PairResult, Row
+    from qgeo_filters.evaluation.benchmarks import Benchmark
     from qgeo_filters.evaluation.runner import PairFailure
     from qgeo_filters.report.html import Table
 
 # Pairs in the table of the worst.
 _WORST = 10
 
+#: Names of `evaluation.benchmarks.BENCHMARKS`.
+Name = Literal[
+    "tosca", "faust_r", "scape_r", "shrec19_r", "smal_r", "dt4d", "topkids", "shrec16_cuts", "shrec16_holes", "pfarm",
+    "kids", "tosca_nonisometric", "teeth", "indexed", "vts", "shrec19",
+]  # fmt: skip
+
 
 def evaluate(
     dataset: Annotated[
-        Literal["tosca", "indexed", "vts", "shrec19"],
+        Name,
         typer.Argument(
             metavar="DATASET",
-            help="Layout: tosca (remeshed/, ground_truth/, symmetry/), indexed (equal vertex numbers), vts, shrec19.",
+            help="A public benchmark (tosca, faust_r, scape_r, shrec19_r, smal_r, dt4d, topkids, shrec16_cuts, "
+            "shrec16_holes, pfarm, kids, tosca_nonisometric, teeth), or a layout: indexed (equal vertex numbers), "
+            "vts (off/, corres/), shrec19 (off/, groundtruth/).",
             show_default=False,
         ),
     ],
@@ -39,6 +47,9 @@ def evaluate(
     ] = None,
     seed: Annotated[int, typer.Option("--seed", help="Of the choice of pairs.")] = 0,
     category: Annotated[list[str] | None, typer.Option("--category", help="Only this one; may be repeated.")] = None,
+    processes: Annotated[
+        int, typer.Option("--processes", metavar="N", help="Pairs at a time, each in a process of one thread.", min=1)
+    ] = 1,
     workers: Workers = None,
     output: Output = None,
     pictures: Pictures = True,
@@ -48,8 +59,10 @@ def evaluate(
     """Measure the error of matches, or of symmetry maps, against the truth, as a table by category.
 
     Errors are direct (Princeton protocol), in units of sqrt(area); seconds are CPU time without what belongs to one
-    shape alone. Each pair is kept in DIR/pairs once it is finished: the same command goes on where it was interrupted.
-    A pair that cannot be measured is named, and the rest goes on; the exit code is then 1.
+    shape alone. Of a public benchmark the test pairs are taken, where the folder holds its test shapes, and published
+    errors of others stand beside ours. Parts (shrec16, pfarm) are matched as such: errors are those of points that
+    were given an image. Each pair is kept in DIR/pairs once it is finished: the same command goes on where it was
+    interrupted. A pair that cannot be measured is named, and the rest goes on; the exit code is then 1.
 
     The table is also in table.md. result.npz: errors of all points, pair (which pair each belongs to).
     """
@@ -57,13 +70,18 @@ def evaluate(
 
     from qgeo_filters.cli.job import Job
     from qgeo_filters.evaluation import markdown, rows_by_category
+    from qgeo_filters.evaluation.benchmarks import BENCHMARKS
+    from qgeo_filters.evaluation.processes import measured_in_processes
     from qgeo_filters.evaluation.runner import PairFailure, PairStore, by_target, measured
     from qgeo_filters.report.curves import plot_error_curve
 
     if pairs is not None and pairs < 1:
         raise ParameterError(f"--pairs must be at least 1, got {pairs}")
     parameters = {"dataset": dataset, "root": str(root), "what": what, "pairs": pairs, "seed": seed}
-    data = _dataset(dataset, root)
+    if not root.is_dir():
+        raise NotADirectoryError(f"--root: {root} is not a folder")
+    benchmark = BENCHMARKS[dataset]
+    data = benchmark.read(root)
     job = Job(
         "evaluate",
         Settings(output, quiet, json, pictures=pictures),
@@ -76,10 +94,12 @@ def evaluate(
     store = PairStore(job.folder / "pairs")
     found: list[PairResult] = []
     failures: list[PairFailure] = []
+    run = measured if processes == 1 else applied(measured_in_processes, workers=processes)
     for name in _categories(data, category):
         every = list(data.pairs(name)) if what == "match" else [(one, one) for one in data.names(name)]
+        some = by_target(_chosen(every, pairs, seed))
         with job.stage(name):
-            for outcome in measured(data, by_target(_chosen(every, pairs, seed)), what, store):
+            for outcome in run(data, some, what, store, partial=benchmark.partial and what == "match"):
                 if isinstance(outcome, PairFailure):
                     failures.append(outcome)
                     typer.echo(f"qgeo: {outcome.name}: {outcome.reason}", err=True)
@@ -98,11 +118,19 @@ def evaluate(
         "not_measured": len(failures),
         "mean_error": rows[-1].mean,
         "failed": rows[-1].n_failed,
-        "mirrored": rows[-1].n_mirrored if what == "match" else None,
+        "mirrored": rows[-1].n_mirrored if what == "match" and rows[-1].handed else None,
+        "auc": rows[-1].auc,
+        "coverage": rows[-1].coverage,
+        "mapped": rows[-1].mapped,
+        "confident": rows[-1].n_confident,
+        "published": [asdict(one) for one in benchmark.published] if what == "match" else [],
         "rows": [
             {
                 "name": one.name,
                 "mean": float(one.errors.direct.mean()),
+                "mirrored": one.errors.mirrored if one.handed else None,
+                "coverage": one.coverage,
+                "mapped": one.mapped,
                 "confident": one.confident,
                 "seconds": one.seconds,
             }
@@ -119,19 +147,22 @@ def evaluate(
         lambda: plot_error_curve(np.concatenate(direct), label=what),
     )
     _draw_worst(job, data, max(found, key=lambda one: float(one.errors.direct.mean())), what)
-    job.finish(_tables(rows, found, failures, what))
+    tables = _tables(rows, found, failures, what)
+    if what == "match" and benchmark.published:
+        tables.insert(1, _beside_others(benchmark, rows[-1]))
+    job.finish(tables)
     if failures:
         raise typer.Exit(1)
 
 
 def _tables(rows: list[Row], found: list[PairResult], failures: list[PairFailure], what: str) -> list[Table]:
     """Errors by category, those of the worst pairs, and what could not be measured."""
-    from qgeo_filters.evaluation.errors import FAILED, THRESHOLDS
+    from qgeo_filters.evaluation.errors import AUC_UP_TO, FAILED, THRESHOLDS
     from qgeo_filters.report.html import Table
 
     number = "pairs" if what == "match" else "shapes"
     within = [f"≤ {threshold:g}" for threshold in THRESHOLDS]
-    columns = ("category", number, "mean", "median", *within, "mirrored", "failed", "CPU s")
+    columns = ("category", number, "mean", "median", *within, "AUC", "coverage", "mirrored", "failed", "sure", "CPU s")
     lines = [
         (
             row.label,
@@ -139,13 +170,19 @@ def _tables(rows: list[Row], found: list[PairResult], failures: list[PairFailure
             f"{row.mean:.4f}",
             f"{row.points.median:.4f}",
             *(f"{share:.1%}" for share in row.points.below),
-            row.n_mirrored if what == "match" else None,
+            f"{row.auc:.3f}",
+            f"{row.coverage:.1%}",
+            row.n_mirrored if what == "match" and row.handed else None,
             row.n_failed,
+            row.n_confident,
             f"{row.seconds:.1f}",
         )
         for row in rows
     ]
-    note = f"Shares are of all points. Mirrored, failed (a mean above {FAILED:g}): numbers of {number}."
+    note = (
+        f"Shares are of all points; AUC: area under their curve up to {AUC_UP_TO:g}; coverage: share of the area of Y "
+        f"that is reached. Mirrored, failed (a mean above {FAILED:g}), sure: numbers of {number}."
+    )
     tables = [Table("Errors in units of sqrt(area)", lines, columns, note)]
     worst = sorted(found, key=lambda one: -float(one.errors.direct.mean()))[:_WORST]
     sure = "confident" if what == "match" else "found"
@@ -165,6 +202,17 @@ def _tables(rows: list[Row], found: list[PairResult], failures: list[PairFailure
     return tables
 
 
+def _beside_others(benchmark: Benchmark, row: Row) -> Table:
+    """Our mean error beside published ones, in the unit of the field."""
+    from qgeo_filters.report.html import Table
+
+    others = sorted(benchmark.published, key=lambda one: (one.learned, -one.error))
+    lines = [(one.method, "trained" if one.learned else "not trained", f"{one.error:.1f}") for one in others]
+    lines.append(("this run", "not trained", f"{100 * row.mean:.1f}"))
+    note = f"{benchmark.title}. Published figures are those of all of its test pairs; this run took {row.n_pairs}."
+    return Table("Mean geodesic error over sqrt(area), x 100", lines, ("method", "on shapes of the set", "error"), note)
+
+
 def _draw_worst(job: Job, data: Dataset, worst: PairResult, what: str) -> None:
     """Picture of the map with the largest mean error."""
     from qgeo_filters.cli.job import as_title
@@ -175,28 +223,14 @@ def _draw_worst(job: Job, data: Dataset, worst: PairResult, what: str) -> None:
     caption = f"The worst map, {worst.name}: mean error {worst.errors.direct.mean():.4f}. Points of one colour match."
     if what == "symmetry":
         surface = data.read(worst.name.removeprefix("symmetry of "))
-        job.picture("worst_map", caption, partial(plot_symmetry, surface, p2p=worst.p2p))
+        job.picture("worst_map", caption, applied(plot_symmetry, surface, p2p=worst.p2p))
         return
     names = next(pair for pair in data.pairs(worst.category) if " - ".join(pair) == worst.name)
     x, y = (data.read(name) for name in names)
     view = best_view(x.vertices, x.faces)
     views = view, view_alike(x, view, y, worst.p2p)
     titles = as_title(names[0]), as_title(names[1])
-    job.picture("worst_map", caption, partial(plot_correspondence, x, y, worst.p2p, names=titles, views=views))
-
-
-def _dataset(layout: str, root: Path) -> Dataset:
-    from qgeo_filters import evaluation
-
-    if not root.is_dir():
-        raise NotADirectoryError(f"--root: {root} is not a folder")
-    kinds: dict[str, Callable[[Path], Dataset]] = {
-        "tosca": evaluation.ToscaRemeshed,
-        "indexed": evaluation.IndexedDataset,
-        "vts": evaluation.VtsDataset,
-        "shrec19": evaluation.Shrec19,
-    }
-    return kinds[layout](root)
+    job.picture("worst_map", caption, applied(plot_correspondence, x, y, worst.p2p, names=titles, views=views))
 
 
 def _categories(data: Dataset, wanted: list[str] | None) -> list[str]:

@@ -23,6 +23,8 @@ Normalization = Literal["sqrt_area", "diameter", "none"]
 THRESHOLDS = (0.05, 0.10, 0.25)
 #: Mean error beyond which a map counts as failed.
 FAILED = 0.1
+#: Largest threshold of the area under the curve of the share of points within an error.
+AUC_UP_TO = 0.1
 
 
 @dataclass(frozen=True)
@@ -183,6 +185,11 @@ def error_curve(errors: npt.ArrayLike, thresholds: npt.ArrayLike) -> FloatArray:
     """Share of points, 0 to 1, with an error of at most each threshold; the shape of ``thresholds``."""
     values = np.sort(_checked_errors(errors))
     return np.searchsorted(values, np.asarray(thresholds, dtype=np.float64), side="right") / len(values)
+
+
+def area_under_curve(errors: npt.ArrayLike, largest: float = AUC_UP_TO) -> float:
+    """Mean of the share of points within a threshold, over all thresholds from 0 to the largest: 1 for no error."""
+    return float(np.maximum(0.0, 1.0 - _checked_errors(errors) / largest).mean())
 
 
 def _checked_errors(errors: npt.ArrayLike) -> FloatArray:

@@ -12,6 +12,7 @@ import numpy as np
 from qgeo_filters._typing import IndexArray
 from qgeo_filters.errors import MeshError
 from qgeo_filters.evaluation.datasets import Dataset, NoTruthError, PointMap, natural_key, vertices_from_one
+from qgeo_filters.evaluation.template_datasets import VtsDataset
 from qgeo_filters.io.formats import path_in_errors
 from qgeo_filters.io.number_files import number_table, whole_numbers
 
@@ -112,15 +113,18 @@ class TopKids(Dataset):
     """TOPKIDS: a child whose parts are glued together, onto the child at rest.
 
     ``off/kid00.off`` is at rest; ``corres/kidKK_ref.txt`` holds its vertex, from 1, for each of ``off/kidKK.off``
-    (Laehner et al., "SHREC'16: Matching of deformable shapes with topological noise").
+    (Laehner et al., "SHREC'16: Matching of deformable shapes with topological noise"). Where there is ``null.off``,
+    that is at rest, and the files are those of a `VtsDataset`.
     """
 
-    REST = "kid00"
-
     def __init__(self, root: str | PathLike[str]) -> None:
-        super().__init__(root, (Path(root) / "off").glob("*.off"))
-        if self.REST not in self.files:
-            raise FileNotFoundError(f"{self.root}: the shape at rest, off/{self.REST}.off, is missing")
+        root = Path(root)
+        templated = root / "null.off"
+        self._templated = VtsDataset(root) if templated.is_file() else None
+        super().__init__(root, root.glob("*.off") if self._templated else (root / "off").glob("*.off"))
+        self.rest = "null" if self._templated else "kid00"
+        if self.rest not in self.files:
+            raise FileNotFoundError(f"{self.root}: the shape at rest, off/{self.rest}.off, is missing")
 
     def category(self, name: str) -> str:
         """One category."""
@@ -128,11 +132,21 @@ class TopKids(Dataset):
 
     def pairs(self, category: str | None = None) -> Iterator[tuple[str, str]]:
         """Each shape with the one at rest."""
-        yield from ((name, self.REST) for name in self.files if name != self.REST)
+        yield from ((name, self.rest) for name in self.files if name != self.rest)
 
     def truth(self, x: str, y: str) -> PointMap:
         """True map to the shape at rest; vertices without an image are left out."""
-        if y != self.REST:
-            raise NoTruthError(f"true maps are known to {self.REST} only, not to {y}")
+        if y != self.rest:
+            raise NoTruthError(f"true maps are known to {self.rest} only, not to {y}")
+        if self._templated:
+            return self._templated.truth(x, y)
         images = vertices_from_one(self.root / "corres" / f"{x}_ref.txt", missing=True)
         return PointMap(np.flatnonzero(images >= 0), images[images >= 0])
+
+    def symmetry(self, name: str) -> PointMap:
+        """True left/right map, where the files give it."""
+        return self._templated.symmetry(name) if self._templated else super().symmetry(name)
+
+    def reflected_images(self, x: str, y: str) -> IndexArray:
+        """Mirrored true image of each point of ``truth(x, y)``."""
+        return self._templated.reflected_images(x, y) if self._templated else super().reflected_images(x, y)

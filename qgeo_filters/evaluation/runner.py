@@ -31,7 +31,15 @@ What = Literal["match", "symmetry"]
 
 # Type and dimensions of what is kept of a pair.
 _KINDS = {"key": ("U", 0), "direct": ("f", 1), "reflected": ("f", 1), "confident": ("b", 0), "seconds": ("f", 0)}
-_KINDS |= {"p2p": ("i", 1)}
+_KINDS |= {"p2p": ("i", 1), "mapped": ("f", 0), "coverage": ("f", 0), "handed": ("b", 0)}
+# Beyond so many vertices all distances on Y would not fit, and those of the pairs of points are computed.
+_MEASURED_BY_MATRIX = 12_000
+
+
+@dataclass(frozen=True)
+class _Job:
+    what: What
+    partial: bool
 
 
 @dataclass(frozen=True)
@@ -98,7 +106,15 @@ class PairStore:
             raise _foreign(file, "errors that are no distances")
         self.reused += 1
         return PairResult(
-            name, category, errors, bool(kept["confident"]), float(kept["seconds"]), kept["p2p"].astype(np.int64)
+            name,
+            category,
+            errors,
+            bool(kept["confident"]),
+            float(kept["seconds"]),
+            kept["p2p"].astype(np.int64),
+            mapped=float(kept["mapped"]),
+            coverage=float(kept["coverage"]),
+            handed=bool(kept["handed"]),
         )
 
     def save(self, result: PairResult, key: str) -> None:
@@ -113,6 +129,9 @@ class PairStore:
                 confident=result.confident,
                 seconds=result.seconds,
                 p2p=result.p2p,
+                mapped=np.float64(result.mapped),
+                coverage=np.float64(result.coverage),
+                handed=np.bool_(result.handed),
             )
 
     def _file(self, name: str) -> Path:
@@ -125,6 +144,7 @@ def measured(
     what: What = "match",
     store: PairStore | None = None,
     *,
+    partial: bool = False,
     workers: int | None = None,
 ) -> Iterator[PairResult | PairFailure]:
     """Errors of the map of each pair, one after the other; a pair that cannot be measured does not stop the rest.
@@ -141,15 +161,18 @@ def measured(
         found).
     store : PairStore, optional
         Takes finished pairs, and gives those that it has.
+    partial : bool
+        Whether the first of each pair is a part of the second, of the same size.
     workers : int, optional
         Number of threads, at least 1; by default all cores that this process may use. Errors do not depend on it.
 
     Yields
     ------
     PairResult or PairFailure
-        Seconds are CPU time without what belongs to one shape alone.
+        Seconds are CPU time without what belongs to one shape alone. Errors are those of points that were given an
+        image.
     """
-    count = worker_count(workers)
+    count, job = worker_count(workers), _Job(what, partial)
     pairs = list(pairs)
     awaited = Counter(name for pair in pairs for name in pair)
     shapes: dict[str, PreparedShape] = {}
@@ -163,10 +186,10 @@ def measured(
                     shapes[one] = PreparedShape(data.read(one))
             truth = data.truth(x, y) if what == "match" else data.symmetry(x)
             mirror = _mirror(data, x, y) if what == "match" else None
-            key = _key(what, shapes[x], shapes[y], truth, mirror)
+            key = _key(job, shapes[x], shapes[y], truth, mirror)
             kept = store.load(name, data.category(x), key) if store else None
             with default_workers(count):  # not around the yield: the caller's own work is not bounded
-                outcome = kept or _measured(name, data.category(x), shapes[x], shapes[y], truth, mirror, what, ruler)
+                outcome = kept or _measured(name, data.category(x), shapes[x], shapes[y], truth, mirror, job, ruler)
             if store and not kept:
                 store.save(outcome, key)
         except Exception as error:  # of any kind: a night's work must not end with one bad mesh
@@ -212,27 +235,42 @@ def _measured(
     y: PreparedShape,
     truth: PointMap,
     mirror: IndexArray | None,
-    what: What,
+    job: _Job,
     ruler: Ruler,
 ) -> PairResult:
-    x.prepare()
-    y.prepare()
+    if not job.partial:
+        x.prepare()
+        y.prepare()
     started = time.process_time()
-    if what == "match":
-        found = match(x, y, partial=False)
+    if job.what == "match":
+        found = match(x, y, partial=job.partial, normalize=not job.partial)
         p2p, confident = found.p2p, found.confident
     else:
         symmetry = self_symmetry(x)
         p2p, confident = symmetry.nearest, symmetry.found
     seconds = time.process_time() - started
-    image, target = p2p[truth.points], y.given
-    matrix = ruler(target)
-    direct = geodesic_error(image, truth.images, target, matrix=matrix)
-    if mirror is not None:
-        errors = SymmetricErrors(direct, geodesic_error(image, mirror, target, matrix=matrix))
-    else:  # a mirrored map cannot be told from a wrong one
-        errors = SymmetricErrors(direct, direct)
-    return PairResult(name, category, errors, confident, seconds, p2p)
+    target = y.full
+    there = np.arange(y.given.n_vertices) if y.repair is None else y.repair.vertex_of_original
+    place = np.where(p2p < 0, -1, there[p2p])  # distances are those on the surface that was matched
+    image, true = place[truth.points], there[truth.images]
+    reflected = true if mirror is None else np.where(there[mirror] < 0, true, there[mirror])
+    known = true >= 0
+    counted = known & (image >= 0)
+    if not counted.any():
+        raise MeshError(f"not one of the {known.sum()} points with a known image was given one")
+    matrix = ruler(target) if target.n_vertices <= _MEASURED_BY_MATRIX else None
+    direct, other = (geodesic_error(image[counted], one[counted], target, matrix=matrix) for one in (true, reflected))
+    return PairResult(
+        name,
+        category,
+        SymmetricErrors(direct, other),
+        confident,
+        seconds,
+        p2p,
+        mapped=float(counted.sum() / known.sum()),
+        coverage=float(target.vertex_areas[np.unique(place[place >= 0])].sum() / target.area),
+        handed=mirror is not None,
+    )
 
 
 def _mirror(data: Dataset, x: str, y: str) -> IndexArray | None:
@@ -242,6 +280,6 @@ def _mirror(data: Dataset, x: str, y: str) -> IndexArray | None:
         return None
 
 
-def _key(what: What, x: PreparedShape, y: PreparedShape, truth: PointMap, mirror: IndexArray | None) -> str:
+def _key(job: _Job, x: PreparedShape, y: PreparedShape, truth: PointMap, mirror: IndexArray | None) -> str:
     shapes = [array for shape in (x.given, y.given) for array in (shape.vertices, shape.faces)]
-    return content_key(what, shapes, [truth.points, truth.images], mirror)
+    return content_key(job.what, job.partial, shapes, [truth.points, truth.images], mirror)

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.errors import ParameterError
-from qgeo_filters.evaluation.errors import FAILED, THRESHOLDS, ErrorSummary, SymmetricErrors
+from qgeo_filters.evaluation.errors import FAILED, THRESHOLDS, ErrorSummary, SymmetricErrors, area_under_curve
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +28,12 @@ class PairResult:
         CPU time.
     p2p : (n_x,) int
         The map itself; empty where it was not kept.
+    mapped : float
+        Share of the points with a known image that were given one: less than 1 for parts only.
+    coverage : float
+        Share of Y's area at the vertices that are the image of some vertex.
+    handed : bool
+        Whether it is known which maps are mirrored.
     """
 
     name: str
@@ -36,6 +42,9 @@ class PairResult:
     confident: bool = True
     seconds: float = float("nan")
     p2p: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    mapped: float = 1.0
+    coverage: float = float("nan")
+    handed: bool = True
 
     @property
     def failed(self) -> bool:
@@ -58,6 +67,12 @@ class Row:
         Mean of the pairs' means under the two lenient protocols.
     points : ErrorSummary
         Direct errors of all points of all pairs.
+    auc : float
+        Area under the curve of the share of points within an error (PCK), from 0 to `AUC_UP_TO`, 1 at best.
+    coverage, mapped : float
+        Mean over the pairs.
+    handed : bool
+        Whether mirrored maps are known as such.
     seconds : float
         Mean CPU time of a pair.
     """
@@ -72,6 +87,10 @@ class Row:
     best_per_pair: float
     vertex_minimum: float
     points: ErrorSummary
+    auc: float
+    coverage: float
+    mapped: float
+    handed: bool
     seconds: float
 
     @classmethod
@@ -79,6 +98,7 @@ class Row:
         """Row over these pairs, each pair counting equally in the means."""
         if not results:
             raise ParameterError(f"no results for the row {label!r}")
+        direct = np.concatenate([result.errors.direct for result in results])
         means = np.array([result.errors.direct.mean() for result in results])
         return cls(
             label,
@@ -90,7 +110,11 @@ class Row:
             worst=float(means.max()),
             best_per_pair=float(np.mean([result.errors.best_per_pair.mean() for result in results])),
             vertex_minimum=float(np.mean([result.errors.vertex_minimum.mean() for result in results])),
-            points=ErrorSummary.of(np.concatenate([result.errors.direct for result in results])),
+            points=ErrorSummary.of(direct),
+            auc=area_under_curve(direct),
+            coverage=float(np.mean([result.coverage for result in results])),
+            mapped=float(np.mean([result.mapped for result in results])),
+            handed=all(result.handed for result in results),
             seconds=float(np.mean([result.seconds for result in results])),
         )
 
@@ -116,13 +140,26 @@ def rows_by_category(results: Sequence[PairResult], pools: Mapping[str, Sequence
 def markdown(rows: Sequence[Row]) -> str:
     """Table of the rows in Markdown, errors in units of sqrt(area)."""
     shares = [f"< {threshold:g} (%)" for threshold in THRESHOLDS]
-    head = ["", "pairs", "mean", "median", *shares, "worst pair", "mirrored", "failed", "confident"]
+    head = [
+        "",
+        "pairs",
+        "mean",
+        "median",
+        *shares,
+        "AUC",
+        "coverage (%)",
+        "worst pair",
+        "mirrored",
+        "failed",
+        "confident",
+    ]
     head += ["best per pair", "per-vertex minimum", "CPU s"]
     lines = [_line(head), _line(["---"] + ["---:"] * (len(head) - 1))]
     for row in rows:
         cells = [row.label, str(row.n_pairs), f"{row.mean:.4f}", f"{row.points.median:.4f}"]
         cells += [f"{100 * share:.1f}" for share in row.points.below]
-        cells += [f"{row.worst:.4f}", str(row.n_mirrored), str(row.n_failed), str(row.n_confident)]
+        cells += [f"{row.auc:.3f}", f"{100 * row.coverage:.1f}", f"{row.worst:.4f}"]
+        cells += [str(row.n_mirrored) if row.handed else "?", str(row.n_failed), str(row.n_confident)]
         cells += [f"{row.best_per_pair:.4f}", f"{row.vertex_minimum:.4f}", f"{row.seconds:.1f}"]
         lines.append(_line(cells))
     return "\n".join(lines)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from typer.testing import Result
 import qgeo_filters as qg
 from qgeo_filters import fingerprint
 from qgeo_filters.errors import ParameterError
-from qgeo_filters.evaluation import runner
+from qgeo_filters.evaluation import BENCHMARKS, runner
 from qgeo_filters.evaluation.errors import SymmetricErrors
 from qgeo_filters.evaluation.tables import PairResult
 from qgeo_filters.matching.correspondence import match
@@ -54,6 +55,34 @@ def test_matches(qgeo: Qgeo, loaded: Loaded, dataset: Path) -> None:
     assert qgeo("evaluate", "tosca", "--root", dataset, "--pairs", 2, "--no-pictures", "-o", "again").exit_code == 0
     again, _ = loaded(Path("again"))
     assert [row["name"] for row in again["results"]["rows"]] == [row["name"] for row in found["rows"]]
+
+
+def test_a_public_benchmark_in_two_processes(qgeo: Qgeo, loaded: Loaded, dataset: Path) -> None:
+    """The same errors as in one, beside published ones; a second run takes what the first has kept."""
+    folder = dataset.parent / "faust"
+    (folder / "corres").mkdir(parents=True)
+    for number, file in enumerate(sorted((dataset / "remeshed").glob("*.off"))):
+        qg.Surface.read(file).write(folder / f"tr_reg_{number:03}.off")
+        with np.load(dataset / "ground_truth" / f"{file.stem}.npz") as tables:
+            np.savetxt(folder / "corres" / f"tr_reg_{number:03}.vts", tables["vertex_of_full"] + 1, fmt="%d")
+    command = ("evaluate", "faust_r", "--root", folder, "--pairs", 3, "--no-pictures")
+    assert qgeo(*command, "-o", "one").exit_code == 0
+    result = qgeo(*command, "-o", "two", "--processes", 2)
+    assert result.exit_code == 0, result.stderr
+    (one, errors), (two, same) = loaded(Path("one")), loaded(Path("two"))
+    assert one["results"]["pairs"] == two["results"]["pairs"] == 3
+    assert one["results"]["mirrored"] is None  # no left/right map is known
+    np.testing.assert_array_equal(np.sort(errors["errors"]), np.sort(same["errors"]))
+    assert {row["name"] for row in one["results"]["rows"]} == {row["name"] for row in two["results"]["rows"]}
+    assert "Smooth Shells" in Path("two/report.html").read_text(encoding="utf-8")
+    assert two["results"]["published"][-1]["error"] == 1.4
+    result = qgeo(*command, "-o", "two", "--processes", 2)
+    assert result.exit_code == 0, result.stderr
+
+
+def test_names_are_those_of_the_benchmarks() -> None:
+    names = importlib.import_module("qgeo_filters.cli.evaluate").Name
+    assert set(get_args(names)) == set(BENCHMARKS)
 
 
 def test_symmetries(qgeo: Qgeo, loaded: Loaded, dataset: Path) -> None:

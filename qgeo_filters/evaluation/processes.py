@@ -1,0 +1,63 @@
+"""Pairs of a data set measured in several processes: the matches of one machine do not share their threads well."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from itertools import groupby
+from multiprocessing import get_context
+
+from qgeo_filters.evaluation.datasets import Dataset
+from qgeo_filters.evaluation.runner import PairFailure, PairStore, What, by_target, measured
+from qgeo_filters.evaluation.tables import PairResult
+from qgeo_filters.parallel import worker_count
+
+# Pairs that a process takes at once: those of one target, which share its distances.
+_MOST = 8
+
+
+def measured_in_processes(
+    data: Dataset,
+    pairs: Iterable[tuple[str, str]],
+    what: What = "match",
+    store: PairStore | None = None,
+    *,
+    partial: bool = False,
+    workers: int | None = None,
+) -> Iterator[PairResult | PairFailure]:
+    """As `measured`, in as many processes as it has workers, of one thread each; outcomes as they come.
+
+    Parameters
+    ----------
+    data, pairs, what, store, partial
+        See `measured`. Each process reads and prepares the shapes of its pairs, and ``store.reused`` counts none.
+    workers : int, optional
+        Number of processes; all cores that this process may use by default.
+
+    Yields
+    ------
+    PairResult or PairFailure
+    """
+    count = worker_count(workers)
+    chunks = [chunk for _, group in groupby(by_target(pairs), lambda pair: pair[1]) for chunk in _cut(list(group))]
+    if count == 1 or len(chunks) < 2:
+        yield from measured(data, by_target(pair for chunk in chunks for pair in chunk), what, store, partial=partial)
+        return
+    # Not forked: threads of the parent would be left behind in the middle of their work.
+    with ProcessPoolExecutor(min(count, len(chunks)), mp_context=get_context("spawn")) as pool:
+        waiting = [pool.submit(_outcomes, data, chunk, what, store, partial) for chunk in chunks]
+        try:
+            for done in as_completed(waiting):
+                yield from done.result()
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _cut(pairs: list[tuple[str, str]]) -> list[list[tuple[str, str]]]:
+    return [pairs[start : start + _MOST] for start in range(0, len(pairs), _MOST)]
+
+
+def _outcomes(
+    data: Dataset, pairs: list[tuple[str, str]], what: What, store: PairStore | None, partial: bool
+) -> list[PairResult | PairFailure]:
+    return list(measured(data, pairs, what, store, partial=partial, workers=1))
