@@ -139,12 +139,12 @@ class IntrinsicShape:
     @cached_property
     @single_threaded_blas
     def smoothed_mean_curvature(self) -> FloatArray:
-        """Mean curvature after some heat, (n,), in units of 1 / sqrt(area): what bulges and what is hollow."""
+        """Mean curvature after little and more heat, (n, 2), in 1 / sqrt(area): what bulges and what is hollow."""
         limit = self.parameters.curvature_limit
         curvature = np.clip(mean_curvature(self.unit), -limit, limit)
         functions = self.laplacian.astype(np.float64)
-        decay = np.exp(-self.parameters.curvature_time * self.laplacian_spectrum.eigenvalues)
-        return frozen(functions @ (decay * (functions.T @ (self.areas * curvature))))
+        decay = np.exp(-np.outer(self.laplacian_spectrum.eigenvalues, self.parameters.curvature_times))
+        return frozen(functions @ (decay * (functions.T @ (self.areas * curvature))[:, None]))
 
     @single_threaded_blas
     def _embedded(self, place: int) -> MetricEmbedding:

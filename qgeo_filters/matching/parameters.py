@@ -80,8 +80,8 @@ class MatchingParameters:
     registration_vertices: int = 4000
     #: Times of heat: a paw, a limb and a half of the shape (tuning).
     hks_times: tuple[float, ...] = (0.003, 0.01, 0.03)
-    #: Time of heat over which mean curvature is smoothed: a breast, a muzzle (five tuning pairs, victoria).
-    curvature_time: float = 0.001
+    #: Times of heat over which mean curvature is smoothed: a nose, and a breast or a muzzle (choice).
+    curvature_times: tuple[float, float] = (0.0003, 0.001)
     #: Curvatures beyond this, in 1 / sqrt(area), are those of fingers, ears and noise (as before).
     curvature_limit: float = 30.0
     #: Eigenfunctions of the distances and of the Laplacian: more did not help (tuning).
@@ -104,11 +104,16 @@ class MatchingParameters:
     quick_preview_count: int = 6
     quick_candidate_points: int = 400
     quick_registration_points: int = 800
-    #: It leaves no doubt where the margin, and the agreement of heat kernels, are this large, and the distortion of
-    #: distances this small.
+    #: It leaves no doubt where the margin, and the agreement of heat kernels and of curvature, are this large, and the
+    #: distortion of distances this small.
     quick_margin: float = 2.0
     quick_alike: float = 0.95
+    quick_relief: float = 0.9
     quick_distortion: float = 0.1
+    #: Where a map of the other handedness distorts distances by less than this times as much, the mirrored maps of so
+    #: many of them compete, by as many rough reflections of Y: the right one may be among them (SCAPE).
+    quick_twins: float = 1.0
+    quick_twinned: int = 3
     #: Nor if a map of the other handedness distorts distances by less than this times as much: teeth of a left and of a
     #: right jaw (benchmarks/README.md, "Both hands").
     quick_other_hand: float = 0.8
@@ -152,6 +157,13 @@ class MatchingParameters:
     #: Cost of leaving one unmatched, and the most that one pair of distances may cost (tuning).
     extrema_unmatched: float = 0.24
     extrema_worst: float = 0.5
+
+    # -- how unlike the surroundings are of what a map relates, in all rankings before maps are registered ---------
+    #: Disagreement of heat kernels and of smoothed curvature that is added to both, that which counts as usual, and the
+    #: power of the factor (people and gorillas, dogs; benchmarks/README.md, "What lost the right map").
+    least_unlike: float = 0.01
+    usually_unlike: float = 0.1
+    unlike_counts: float = 0.75
 
     # -- candidates ------------------------------------------------------------------------------------------
     #: Maps that distort distances by more than this times the best are not worth growing (tuning).
@@ -211,6 +223,12 @@ class MatchingParameters:
     least_distortion: float = 1e-4
     least_hks_gap: float = 5e-3
     least_curvature_gap: float = 5e-3
+    #: Powers in the cost of maps that have settled: of torn and folded shares and of heat kernels, of the distortion,
+    #: of the curvature after more heat, after less, and of heat kernels after least (fitted to right and wrong
+    #: contenders of 143 pairs of all kinds; benchmarks/README.md, "What lost the right map").
+    end_powers: tuple[float, float, float, float, float] = (0.5, 0.25, 0.5, 1.0, 1.0)
+    #: The same for reflections, whose other bounds were tuned with these (symmetry).
+    reflection_end_powers: tuple[float, float, float, float, float] = (1.0, 0.5, 2.0, 0.0, 0.0)
     #: Of the times of heat the last ones are compared: the first varies between poses (tuning).
     hks_compared_from: int = 1
 
@@ -221,6 +239,9 @@ class MatchingParameters:
     #: ... and of those whose images are this near in the mean at most so many (choice).
     kin_distance: float = 0.1
     kin_count: int = 2
+    #: Then those within this ratio of the best in the preview, where costs are rough, too: at most so many (choice).
+    doubtful_ratio: float = 2.0
+    doubtful_count: int = 3
 
     # -- reflections only ------------------------------------------------------------------------------------
     #: Reflections that relate parts less alike than this, front to back, are none (symmetry).

@@ -97,6 +97,8 @@ class PreparedShape(Level):
         """What does not change in a mirror."""
         self.symmetries: dict[tuple[float, MatchingParameters], Any] = {}
         """Self-symmetries that were found, by tolerance and parameters."""
+        self.rough_reflections: dict[MatchingParameters, list[IndexArray]] = {}
+        """What may be one of them, by parameters; see `search.rough_reflections`."""
 
     def __repr__(self) -> str:
         return f"PreparedShape({self.full!r}, curvature_weights={self.parameters.curvature_weights})"
@@ -172,7 +174,7 @@ class PreparedShape(Level):
 
     @property
     def smoothed_mean_curvature(self) -> FloatArray:
-        """Mean curvature after some heat, (n,), in units of 1 / sqrt(area): what bulges and what is hollow."""
+        """Mean curvature after little and more heat, (n, 2), in 1 / sqrt(area): what bulges and what is hollow."""
         return self.intrinsic.smoothed_mean_curvature
 
     @cached_property

@@ -125,6 +125,43 @@ class MatchProblem:
         other.__dict__["known"] = known
         return other
 
+    @cached_property
+    def _surroundings(self) -> tuple[FloatArray, FloatArray]:
+        """Heat kernel signature and smoothed curvature of X and of Y, (n_x, k) and (n_y, k), in deviations on X."""
+        times = slice(self.parameters.hks_compared_from, None)
+        here, there = (
+            np.column_stack([shape.log_hks[:, times], shape.smoothed_mean_curvature[:, -1]])
+            for shape in (self.x, self.y)
+        )
+        deviation = np.sqrt(self.x.areas @ (here - self.x.areas @ here) ** 2)
+        deviation[deviation == 0] = np.inf  # what is the same everywhere tells nothing apart
+        return here / deviation, there / deviation
+
+    def unlikeness(self, points: IndexArray, p2p: IndexArray) -> FloatArray:
+        """How unlike the surroundings of points and of their images are, (...): a factor, 1 for what is usual.
+
+        A man's hands go onto a gorilla's feet with less distortion than onto its hands; what surrounds them differs.
+
+        Parameters
+        ----------
+        points : (s,) int
+            Vertices of X.
+        p2p : (..., s) int
+            Vertex of Y for each of them.
+        """
+        given = self.parameters
+        if self.reflection:  # what is left in place agrees best
+            return np.ones(p2p.shape[:-1])
+        here, there = self._surroundings
+        gaps = np.mean((here[points] - there[p2p]) ** 2, axis=-2) / 2
+        disagreements = gaps[..., :-1].max(axis=-1), gaps[..., -1]
+        factors = [(gap + given.least_unlike) / (given.usually_unlike + given.least_unlike) for gap in disagreements]
+        return np.asarray(np.sqrt(factors[0] * factors[1]) ** given.unlike_counts)
+
+    def dearness(self, points: IndexArray, p2p: IndexArray) -> FloatArray:
+        """By what the distortion of maps of these points is multiplied where they are ranked, (...)."""
+        return self.penalties(points, p2p) * self.unlikeness(points, p2p)
+
     def penalties(self, points: IndexArray, p2p: IndexArray) -> FloatArray:
         """How many times as dear maps of these points are for what they do to the hints, (...); 1 without any.
 

@@ -6,10 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from qgeo_filters._typing import MirrorOption
+from qgeo_filters._typing import IndexArray, MirrorOption
 from qgeo_filters.errors import ParameterError
-from qgeo_filters.matching.initialization.candidates import Candidate, candidates, mirrored_map
+from qgeo_filters.matching.initialization.candidates import Candidate, candidates, mapped_points, mirrored_map
 from qgeo_filters.matching.match_log import MatchLog
+from qgeo_filters.matching.parameters import MatchingParameters
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.selection.decision import Decision, choose_map
 from qgeo_filters.matching.symmetry import reflection_of
@@ -114,6 +116,9 @@ def _first_attempt(problem: MatchProblem, *, either: bool) -> Decision | None:
     if not keeping:
         return None
     least = min(c.rank for c in keeping)
+    if reversing and min(c.rank for c in reversing) < given.quick_twins * least:
+        keeping += _rough_twins(quick, reversing)
+        least = min(c.rank for c in keeping)
     if either and reversing and min(c.rank for c in reversing) < given.quick_other_hand * least:
         return None
     decision = choose_map(quick, keeping)
@@ -121,6 +126,7 @@ def _first_attempt(problem: MatchProblem, *, either: bool) -> Decision | None:
         decision.margin >= given.quick_margin
         and decision.mean_distortion <= given.quick_distortion
         and decision.hks_agreement >= given.quick_alike
+        and decision.curvature_agreement >= given.quick_relief
     )
     if not clear:
         return None
@@ -143,6 +149,26 @@ def _twins(problem: MatchProblem, reversing: list[Candidate]) -> list[Candidate]
     if other is None:
         return None
     return [mirrored_map(problem, c, other, of_y=mirror is not None) for c in reversing]
+
+
+def _rough_twins(problem: MatchProblem, reversing: list[Candidate]) -> list[Candidate]:
+    """The mirrored maps of the best that reverse the orientation, by what may be reflections of Y."""
+    best = sorted(reversing, key=lambda c: c.rank)[: problem.parameters.quick_twinned]
+    mirrors = rough_reflections(problem.y, problem.parameters)
+    twins = [mirrored_map(problem, c, mirror, of_y=True) for mirror in mirrors for c in best]
+    return sorted(twins, key=lambda c: c.rank)[: problem.parameters.quick_twinned]
+
+
+def rough_reflections(shape: PreparedShape, parameters: MatchingParameters) -> list[IndexArray]:
+    """The candidates for a reflection of a shape that keep distances best, not registered: vertex of each, (n,)."""
+    kept = shape.rough_reflections
+    if parameters not in kept:
+        problem = MatchProblem.of_reflection(shape, parameters)
+        points = mapped_points(problem)
+        nearest = shape.fps_distances[: len(points)].argmin(axis=0)
+        proposed = [c for c in candidates(problem) if c.orientation > 0][: parameters.quick_twinned]
+        kept[parameters] = [c.p2p[nearest] for c in proposed]
+    return kept[parameters]
 
 
 def _dropped(log: MatchLog, maps: list[Candidate], why: str) -> list[Candidate]:

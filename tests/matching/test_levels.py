@@ -84,7 +84,8 @@ def test_a_mirror_image_is_matched_as_one_at_full_resolution() -> None:
     image = Surface(vertices * [1, 1, -1], faces[:, ::-1])
     map_ = qg.match(Surface(vertices, faces), image, parameters=tiny)
     assert map_.orientation < -0.5
-    assert not map_.confident
+    assert map_.confident
+    assert "mirror image" in map_.explanation
     moved = np.linalg.norm(map_.positions - image.vertices, axis=1)
     assert moved.mean() < 0.03 * np.sqrt(image.area)
 

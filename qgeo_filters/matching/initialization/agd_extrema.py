@@ -50,7 +50,7 @@ def extrema_maps(problem: MatchProblem) -> list[Hypothesis]:
                 found.append(images)
     maps = np.array(found, dtype=np.int64).reshape(-1, s)
     distortions = coarse_distortions(near_x, near_y, maps)
-    order = np.argsort(distortions * problem.penalties(points_x, points_y[maps]), kind="stable")
+    order = np.argsort(distortions * problem.dearness(points_x, points_y[maps]), kind="stable")
     kept = order[list(distinct_maps(list(maps[order]), near_y, given.extrema_hypotheses, given))]
     hypotheses = []
     for i in kept:

@@ -34,8 +34,8 @@ class Candidate:
         See `orientation`; over some of the triangles.
     number : int
         In the log of the problem.
-    penalty : float
-        See `MatchProblem.penalties`: 1 without hints.
+    penalty, unlikeness : float
+        See `MatchProblem.penalties`, 1 without hints, and `MatchProblem.unlikeness`.
     """
 
     p2p: IndexArray
@@ -43,11 +43,17 @@ class Candidate:
     orientation: float
     number: int
     penalty: float = 1.0
+    unlikeness: float = 1.0
 
     @property
     def rank(self) -> float:
-        """What candidates are sorted by: the distortion, times the penalty."""
-        return self.mean_distortion * self.penalty
+        """What candidates are sorted by: the distortion, times how unlike surroundings are, and the penalty."""
+        return self.mean_distortion * self.unlikeness * self.penalty
+
+    @property
+    def unhinted_rank(self) -> float:
+        """The same, whatever the hints say."""
+        return self.mean_distortion * self.unlikeness
 
 
 def mapped_points(problem: MatchProblem) -> IndexArray:
@@ -78,7 +84,8 @@ def candidates(problem: MatchProblem) -> list[Candidate]:
     def measured(number: int, images: IndexArray) -> Candidate:
         p2p, corners = images[: len(points)], images[len(points) :].reshape(-1, 3)
         cosine = float(normal_cosines(problem.y.unit, corners).mean())
-        return Candidate(p2p, mean_distortion(problem, p2p), cosine, number, float(problem.penalties(points, p2p)))
+        penalty, unlikeness = float(problem.penalties(points, p2p)), float(problem.unlikeness(points, p2p))
+        return Candidate(p2p, mean_distortion(problem, p2p), cosine, number, penalty, unlikeness)
 
     tasks = [(h.number, partial(zoomout_lift, problem, h, vertices)) for h in worth]
     tasks += [(guess.number, partial(laplacian_lift, problem, guess, vertices)) for guess in guesses]
@@ -108,17 +115,20 @@ def mirrored_map(problem: MatchProblem, c: Candidate, mirror: IndexArray, *, of_
         p2p = c.p2p[rows[:, mirror[x.fps[: len(rows)]]].argmin(axis=0)]
     distortion = mean_distortion(problem, p2p)
     number = problem.log.propose(f"#{c.number} by the symmetry of {'Y' if of_y else 'X'}", distortion, -c.orientation)
-    penalty = float(problem.penalties(mapped_points(problem), p2p))
-    return Candidate(p2p, distortion, -c.orientation, number, penalty)
+    points = mapped_points(problem)
+    penalty, unlikeness = float(problem.penalties(points, p2p)), float(problem.unlikeness(points, p2p))
+    return Candidate(p2p, distortion, -c.orientation, number, penalty, unlikeness)
 
 
 def dearer_than(problem: MatchProblem, bound: float) -> str:
     """The rule that drops maps of a rank above the bound, in words."""
-    return f"distorts distances by more than {bound:.3f}" + (", or disagrees with the hints" if problem.known else "")
+    unlike = "" if problem.reflection else ", times how unlike the parts are"
+    hints = ", or disagrees with the hints" if problem.known else ""
+    return f"distorts distances by more than {bound:.3f}{unlike}{hints}"
 
 
 def _rank(problem: MatchProblem, h: Hypothesis) -> float:
-    return h.mean_distortion * float(problem.penalties(h.points, h.p2p))
+    return h.mean_distortion * float(problem.dearness(h.points, h.p2p))
 
 
 def _largest_triangles(x: PreparedShape, count: int) -> IndexArray:

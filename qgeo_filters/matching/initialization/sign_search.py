@@ -41,7 +41,7 @@ def sign_search(problem: MatchProblem) -> list[Hypothesis]:
         for images, distortion, penalty in zip(
             maps,
             coarse_distortions(near_x, near_y, maps),
-            problem.penalties(points_x, points_y[maps]),
+            problem.dearness(points_x, points_y[maps]),
             strict=True,
         )
     ]
@@ -88,7 +88,7 @@ def _grown_maps(
     near_x, near_y = between_fps(x.fps_distances, points_x), between_fps(y.fps_distances, points_y)
 
     def best(maps: IndexArray, count: int) -> IndexArray:
-        values = coarse_distortions(near_x, near_y, maps) * problem.penalties(points_x, points_y[maps])
+        values = coarse_distortions(near_x, near_y, maps) * problem.dearness(points_x, points_y[maps])
         return maps[np.argsort(values, kind="stable")[:count]]
 
     def elsewhere(maps: IndexArray) -> IndexArray:

@@ -11,7 +11,7 @@ from qgeo_filters.matching.maps.map_distance import mean_distortion
 from qgeo_filters.matching.parameters import MatchingParameters, Stages
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.schedule import Schedule
-from qgeo_filters.matching.selection.signatures import curvature_agreement, hks_agreement
+from qgeo_filters.matching.selection.signatures import curvature_agreements, hks_agreement, hks_agreements
 from qgeo_filters.matching.smooth_shells import DenseMap, register
 from qgeo_filters.parallel import concurrently
 
@@ -31,13 +31,16 @@ class Contender:
         Share of X's edges whose ends are mapped far apart.
     folded : float
         Share of X's area that the deformation turns over.
-    hks_agreement, curvature_agreement : float
-        See the functions of these names.
+    hks_agreement : float
+        See `hks_agreement`.
+    curvature_agreement : float
+        After more heat, see `curvature_agreements`.
     cost : float
         Product of strain, torn and folded shares, root of the distortion, and how unlike the parts are. Larger for a
         map that is wrong in a part.
     end_cost : float
-        The cost, and how unlike the smoothed curvature is, squared: for maps that have settled, details included.
+        The same for maps that have settled, with other powers, and with how unlike details are: what bulges and what is
+        hollow, and heat kernels after little heat.
     number : int
         In the log of the problem.
     penalty : float
@@ -80,12 +83,17 @@ def measured(problem: MatchProblem, dense: DenseMap, number: int) -> Contender:
     folded = float(x.unit.face_areas @ against) / x.unit.area
     torn, strain = torn_share(problem, p2p), x.arap.energy(dense.positions)
     distortion = mean_distortion(problem, p2p[x.fps])
-    hks, curvature = hks_agreement(problem, p2p), curvature_agreement(problem, p2p)
+    hks = hks_agreement(problem, p2p)
+    kernels, curvatures = hks_agreements(problem, p2p), curvature_agreements(problem, p2p)
     # Squared: the cost is a product of several terms, each of which may grow as the distortion does.
     penalty = float(problem.penalties(x.fps, p2p[x.fps])) ** 2
-    cost = penalty * _cost(given, distortion, strain, torn, folded, hks)
-    end_cost = cost * (1 - curvature + given.least_curvature_gap) ** 2
-    return Contender(dense, distortion, strain, torn, folded, hks, curvature, cost, end_cost, number, penalty)
+    terms = _Terms.of(given, distortion, strain, torn, folded, hks)
+    powers = given.reflection_end_powers if problem.reflection else given.end_powers
+    details = [1 - kernels[0] + given.least_hks_gap] + [1 - c + given.least_curvature_gap for c in curvatures]
+    return Contender(
+        dense, distortion, strain, torn, folded, hks, curvatures[-1],
+        penalty * terms.cost, penalty * terms.end_cost(powers, *details), number, penalty,
+    )  # fmt: skip
 
 
 def torn_share(problem: MatchProblem, p2p: IndexArray) -> float:
@@ -97,7 +105,35 @@ def torn_share(problem: MatchProblem, p2p: IndexArray) -> float:
     return float((lengths > far).mean())
 
 
-def _cost(given: MatchingParameters, distortion: float, strain: float, torn: float, folded: float, hks: float) -> float:
-    torn, folded = max(torn, given.least_torn), folded + given.least_folded
-    strain, unlike = max(strain, given.least_strain), 1 - hks + given.least_hks_gap
-    return strain * torn * folded * unlike * float(np.sqrt(max(distortion, given.least_distortion)))
+@dataclass(frozen=True)
+class _Terms:
+    """What a map costs, each term at least the noise of right maps."""
+
+    strain: float
+    torn: float
+    folded: float
+    unlike: float
+    distortion: float
+
+    @classmethod
+    def of(
+        cls, given: MatchingParameters, distortion: float, strain: float, torn: float, folded: float, hks: float
+    ) -> _Terms:
+        return cls(
+            max(strain, given.least_strain),
+            max(torn, given.least_torn),
+            folded + given.least_folded,
+            1 - hks + given.least_hks_gap,
+            max(distortion, given.least_distortion),
+        )
+
+    @property
+    def cost(self) -> float:
+        return self.strain * self.torn * self.folded * self.unlike * self.distortion**0.5
+
+    def end_cost(
+        self, powers: tuple[float, float, float, float, float], kernels: float, fine: float, coarse: float
+    ) -> float:
+        shares, distortion, relief, details, heat = powers
+        product = self.strain * (self.torn * self.folded * self.unlike) ** shares * self.distortion**distortion
+        return float(product * coarse**relief * fine**details * kernels**heat)

@@ -25,8 +25,8 @@ class Decision:
     ----------
     dense : DenseMap
         Between the shapes as they were searched, to be finished, see `matching.finish`.
-    hks_agreement : float
-        See the function of this name.
+    hks_agreement, curvature_agreement : float
+        See `Contender`.
     mean_distortion : float
         See `mean_distortion`.
     margin : float
@@ -41,6 +41,7 @@ class Decision:
 
     dense: DenseMap
     hks_agreement: float
+    curvature_agreement: float
     mean_distortion: float
     margin: float
     runner_up: float
@@ -87,7 +88,7 @@ def previewed(problem: MatchProblem, pool: list[Candidate]) -> list[Contender]:
     ranked = sorted(pool, key=lambda c: c.rank)
     bound = given.preview_ratio * ranked[0].rank + given.ratio_slack
     # What would win without the hints is tried in any case, so that their disagreement can be told.
-    unhinted = min(pool, key=lambda c: c.mean_distortion)
+    unhinted = min(pool, key=lambda c: c.unhinted_rank)
     tried: list[Candidate] = []
     for c in ranked:
         like = next((t for t in tried if not _differ(problem, c, t)), None)
@@ -144,6 +145,10 @@ def _settled(problem: MatchProblem, ranked: list[Contender], apart: float) -> tu
     close = close_contenders(problem, ranked)
     ends = settled(problem, close)
     order = sorted(range(len(close)), key=lambda i: ends[i].end_cost)
+    doubtful = _doubtful(problem, [c for c in ranked if c not in close], close[order[0]], ends[order[0]], apart)
+    if doubtful:
+        close, ends = close + doubtful, ends + settled(problem, doubtful)
+        order = sorted(range(len(close)), key=lambda i: ends[i].end_cost)
     best, preview = ends[order[0]], close[order[0]]
     problem.log.choose(best.number)
     # A rival that was taken further is compared there, the others as they were in the preview.
@@ -153,6 +158,17 @@ def _settled(problem: MatchProblem, ranked: list[Contender], apart: float) -> tu
     margin, rival = min(rivals, key=lambda pair: pair[0], default=(np.inf, None))
     unhinted = min((ratio * best.penalty / c.penalty for ratio, c in rivals), default=np.inf)
     return best, margin, rival.mean_distortion if rival else np.inf, unhinted if problem.known else np.inf
+
+
+def _doubtful(
+    problem: MatchProblem, others: list[Contender], preview: Contender, best: Contender, apart: float
+) -> list[Contender]:
+    """Those of other maps that cost hardly more than the best in the preview, where costs are rough."""
+    given = problem.parameters
+    if problem.reflection:
+        return []
+    near = [c for c in others if c.cost < given.doubtful_ratio * preview.cost and _gap(problem, c, best) > apart]
+    return near[: given.doubtful_count]
 
 
 def _with_parts_turned(problem: MatchProblem, best: Contender) -> Contender:
@@ -173,7 +189,7 @@ def _with_parts_turned(problem: MatchProblem, best: Contender) -> Contender:
 
 def _decided(best: Contender, margin: float, runner_up: float, unhinted: float) -> Decision:
     return Decision(
-        best.dense, best.hks_agreement, best.mean_distortion, margin, runner_up,
+        best.dense, best.hks_agreement, best.curvature_agreement, best.mean_distortion, margin, runner_up,
         best.end_cost, best.end_cost / best.penalty, unhinted,
     )  # fmt: skip
 

@@ -7,28 +7,35 @@ from qgeo_filters.matching.problem import MatchProblem
 
 
 def hks_agreement(problem: MatchProblem, p2p: IndexArray) -> float:
-    """Agreement of the logarithm of the heat kernel h(t; p, p) with that at the images, 1 if they are equal.
+    """Least agreement of heat kernels after more than the least heat, see `hks_agreements`."""
+    return min(hks_agreements(problem, p2p)[problem.parameters.hks_compared_from :])
 
-    One minus half the mean squared difference over the variance on X, the smallest over the times: the correlation,
-    for maps that keep mean and variance.
+
+def hks_agreements(problem: MatchProblem, p2p: IndexArray) -> tuple[float, ...]:
+    """Agreement of the logarithm of the heat kernel h(t; p, p) with that at the images, 1 if equal; at each time.
+
+    One minus half the mean squared difference over the variance on X: the correlation, for maps that keep mean and
+    variance.
 
     References
     ----------
     Sun, Ovsjanikov, Guibas, "A concise and provably informative multi-scale signature based on heat diffusion",
     SGP 2009.
     """
-    x, times = problem.x, slice(problem.parameters.hks_compared_from, None)
-    here, there = x.log_hks[:, times], problem.y.log_hks[p2p][:, times]
-    return min(_agreement(one, other, x.areas) for one, other in zip(here.T, there.T, strict=True))
+    return _agreements(problem.x.log_hks, problem.y.log_hks[p2p], problem.x.areas)
 
 
-def curvature_agreement(problem: MatchProblem, p2p: IndexArray) -> float:
-    """Agreement of the smoothed mean curvature with that at the images, 1 if it is equal; as `hks_agreement`.
+def curvature_agreements(problem: MatchProblem, p2p: IndexArray) -> tuple[float, ...]:
+    """Agreement of the mean curvature with that at the images, 1 if it is equal; after little and after more heat.
 
     Unlike the heat kernels it knows inside from outside: a breast is not like a back.
     """
     x, y = problem.x, problem.y
-    return _agreement(x.smoothed_mean_curvature, y.smoothed_mean_curvature[p2p], x.areas)
+    return _agreements(x.smoothed_mean_curvature, y.smoothed_mean_curvature[p2p], x.areas)
+
+
+def _agreements(here: FloatArray, there: FloatArray, areas: FloatArray) -> tuple[float, ...]:
+    return tuple(_agreement(one, other, areas) for one, other in zip(here.T, there.T, strict=True))
 
 
 def _agreement(one: FloatArray, other: FloatArray, areas: FloatArray) -> float:
