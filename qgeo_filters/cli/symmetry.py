@@ -75,7 +75,9 @@ def symmetry(
     The options on the metric are those of eq. (3); the map is searched in the package's own metrics.
 
     result.npz: found, symmetry (n,), side (n,), asymmetry (n,), nearest (n,), symmetry_sum (n,), regions (n,),
-    eigenvalues (k0,), eigenfunctions (n, k0), areas (n,). Where no symmetry was found, found is False, symmetry the
+    eigenvalues (k0,), eigenfunctions (n, k0), areas (n,), curve (k, 3) and curve_lengths: the points of the axis, line
+    after line, and how many each has. plane in result.json: that of a shape that is its own mirror image in space.
+    Where no symmetry was found, found is False, symmetry the
     identity, side 0 and asymmetry NaN.
     """
     from qgeo_filters.cli.job import Job
@@ -126,7 +128,8 @@ def symmetry(
         name: job.on_given(values, vertices=name in ("symmetry", "nearest")) if name != "found" else values
         for name, values in per_vertex.items()
     }
-    job.save(results, {**saved, "eigenvalues": spectrum.eigenvalues}, described, vertices=("qgeo_symmetry",))
+    curve = {} if found is None else curve_arrays(found)
+    job.save(results, {**saved, **curve, "eigenvalues": spectrum.eigenvalues}, described, vertices=("qgeo_symmetry",))
     draw_symmetry(job, surface, arrays, found)
     job.finish()
 
@@ -141,8 +144,25 @@ def symmetry_results(found: Symmetry, spectrum: Spectrum, k0: int, reading: Read
         "score": found.score if found.found else None,
         "orientation": found.orientation if found.found else None,
         "vertices_on_the_axis": int(found.fixed.sum()) if found.found else None,
+        "plane": None
+        if found.plane is None
+        else {
+            "normal": found.plane.normal.tolist(),
+            "origin": found.plane.origin.tolist(),
+            "deviation": found.plane.deviation,
+        },
         # Not the involution: vertices that it pairs with themselves would flatter the measure.
         "epsilon_of_mirror_images": symmetry_epsilon(spectrum, found.nearest, k0, reading) if found.found else None,
+    }
+
+
+def curve_arrays(found: Symmetry) -> dict[str, Any]:
+    """The axis of a symmetry for result.npz."""
+    import numpy as np
+
+    return {
+        "curve": np.concatenate([np.zeros((0, 3)), *found.curve]),
+        "curve_lengths": np.array([len(line) for line in found.curve], dtype=np.int64),
     }
 
 

@@ -73,6 +73,7 @@ def symmetry_on_given(found: Symmetry, x: PreparedShape) -> Symmetry:
         fixed=_values(found.fixed, x.repair),
         asymmetry=_values(found.asymmetry, x.repair),
         regions=_values(found.regions, x.repair),
+        barycentric=_places(found.barycentric, x.repair, x.repair),
         repairs=tuple(x.repair.report),
     )
 

@@ -8,16 +8,19 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray, RepairOption
+from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.matching.finish import at_full_resolution, finished
 from qgeo_filters.matching.given_vertices import symmetry_on_given
 from qgeo_filters.matching.initialization.candidates import candidates
+from qgeo_filters.matching.maps.barycentric import barycentric_map
 from qgeo_filters.matching.maps.functional_map import nearest_neighbors, nearest_neighbors_both_ways
 from qgeo_filters.matching.maps.involution import optimal_involution
 from qgeo_filters.matching.maps.orientation import orientation
 from qgeo_filters.matching.maps.point_distortion import point_distortions
 from qgeo_filters.matching.maps.resolutions import placed
 from qgeo_filters.matching.match_log import MatchLog
+from qgeo_filters.matching.mirror_curve import MirrorPlane, mirror_plane, zero_curves
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape, Shape
 from qgeo_filters.matching.problem import MatchProblem
@@ -30,6 +33,8 @@ from qgeo_filters.validation import frozen
 
 #: Mean distortion of distances, in sqrt(area), up to which a map of the shape to its mirror image is a symmetry.
 TOLERANCE = 0.08
+# Deviation, in sqrt(area), up to which a symmetry is that of a plane.
+_IN_A_PLANE = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +68,14 @@ class Symmetry:
         of points if no symmetry was found.
     regions : (n,) int32
         Regions of the paper's measure, see `symmetry_regions`.
+    barycentric : BarycentricMap
+        The mirror point of each vertex within a triangle: what ``nearest`` rounds to a vertex. Carries values over:
+        ``barycentric.pulled_back(values)``. Each vertex itself if no symmetry was found.
+    curve : tuple of (k, 3) float64
+        The axis: polylines on the surface along which mirror points meet, the longest first; a closed one ends where it
+        begins. Empty if no symmetry was found.
+    plane : MirrorPlane, optional
+        The plane of a shape that is its own mirror image in space, to within .02 sqrt(area); None for one that is bent.
     repairs : tuple of str
         What was repaired before, a sentence each; empty if nothing was. A vertex that had to go has no mirror vertex:
         -1, see `symmetry_on_given`.
@@ -79,6 +92,9 @@ class Symmetry:
     orientation: float
     epsilon: float
     regions: npt.NDArray[np.int32]
+    barycentric: BarycentricMap
+    curve: tuple[FloatArray, ...] = ()
+    plane: MirrorPlane | None = None
     repairs: tuple[str, ...] = ()
 
 
@@ -193,7 +209,10 @@ def _found(problem: MatchProblem, tolerance: float) -> Symmetry:
 def _described(problem: MatchProblem, dense: DenseMap) -> Symmetry:
     x, spectrum = problem.x, problem.x.full_spectrum
     positions, nearest = _mirror_points(problem, dense)
-    side = _sides(x, nearest)
+    places = barycentric_map(positions, nearest, x.full)
+    towards, lead = _leads(x, nearest, places)
+    side = _sides(x, towards[nearest] - towards)
+    plane = mirror_plane(x.full, places.pulled_back(x.full.vertices))
     asymmetry = point_distortions(problem, nearest)
     score = float(spectrum.areas @ asymmetry)
     # Where the vertices go between the vertices of the other side: nearer to the truth than the nearest of them.
@@ -210,6 +229,9 @@ def _described(problem: MatchProblem, dense: DenseMap) -> Symmetry:
         orientation(x.oriented, x.oriented, nearest),
         symmetry_epsilon(spectrum, nearest),
         frozen(symmetry_regions(spectrum)),
+        places,
+        zero_curves(x.full, lead),
+        plane if plane.deviation < _IN_A_PLANE else None,
     )
 
 
@@ -230,8 +252,8 @@ def _mirror_points(problem: MatchProblem, dense: DenseMap) -> tuple[FloatArray, 
     return positions, nearest_neighbors_both_ways(np.column_stack([here, there]), np.column_stack([there, here]))[0]
 
 
-def _sides(x: PreparedShape, nearest: IndexArray) -> npt.NDArray[np.int8]:
-    """Side of each vertex at full resolution, (n,): 1, -1, and 0 along the axis.
+def _leads(x: PreparedShape, nearest: IndexArray, places: BarycentricMap) -> tuple[FloatArray, FloatArray]:
+    """How far it is from one side to each vertex at full resolution, (n,), and how much farther to its mirror point.
 
     A shortest path from one side to a point of the other crosses the axis, where the point and its mirror
     are equally far: so the nearer of p and Tp is the one on the same side.
@@ -243,7 +265,11 @@ def _sides(x: PreparedShape, nearest: IndexArray) -> npt.NDArray[np.int8]:
     reference = int(excess[np.arange(len(points)), points].argmax())
     of_points = np.sign(excess[reference, points])
     towards = x.interpolation @ (of_points @ x.fps_distances.astype(np.float64) / len(points))
-    lead = towards[nearest] - towards
+    return towards, places.pulled_back(towards) - towards
+
+
+def _sides(x: PreparedShape, lead: FloatArray) -> npt.NDArray[np.int8]:
+    """Side of each vertex at full resolution, (n,): 1, -1, and 0 along the axis, by how much farther its mirror is."""
     side = np.sign(lead).astype(np.int8)
     a, b = x.oriented.edges.T
     crossing = side[a] * side[b] < 0
@@ -267,4 +293,5 @@ def _none(x: PreparedShape, reason: str) -> Symmetry:
         np.nan,
         symmetry_epsilon(spectrum),
         frozen(symmetry_regions(spectrum)),
+        barycentric_map(x.full.vertices, identity, x.full),
     )
