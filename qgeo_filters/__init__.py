@@ -72,6 +72,8 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .matching.match_log import MatchLog as MatchLog
     from .matching.match_result import MatchResult as MatchResult
     from .matching.parameters import MatchingParameters as MatchingParameters
+    from .matching.pieces import PiecewiseMatch as PiecewiseMatch
+    from .matching.pieces import match_pieces as match_pieces
     from .matching.prepared_shape import PreparedShape as PreparedShape
     from .matching.symmetry import Symmetry as Symmetry
     from .matching.symmetry import self_symmetry as self_symmetry
@@ -136,6 +138,8 @@ _HOME = {
     "Symmetry": "matching.symmetry",
     "match": "matching.correspondence",
     "MatchResult": "matching.match_result",
+    "match_pieces": "matching.pieces",
+    "PiecewiseMatch": "matching.pieces",
     "MatchLog": "matching.match_log",
     "MatchingParameters": "matching.parameters",
     "PreparedShape": "matching.prepared_shape",
