@@ -24,6 +24,11 @@ def verdict(given: MatchingParameters, score: float, margin: float, turned: floa
             f"distances are kept to {score:.3f} sqrt(area) in the mean, but the map relates parts of different shape "
             f"(their heat kernels agree by {alike:.2f} only)"
         )
+    if score > given.hardly_isometric and margin < given.hardly_isometric_margin:
+        return False, (
+            f"distances differ by {score:.3f} sqrt(area) in the mean, and another map costs only {margin:.2f} times as "
+            "much: of shapes that are hardly isometric it may be the right one"
+        )
     if margin < given.margin:
         return False, (
             f"another map fits nearly as well (its cost is {margin:.2f} times as large): "
