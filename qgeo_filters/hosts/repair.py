@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy.typing as npt
 from qgeo_filters._typing import IndexArray
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.arrays import is_path, raw_mesh
+from qgeo_filters.hosts.holes import checked_holes, filled
 from qgeo_filters.io.formats import path_in_errors
 from qgeo_filters.repair.sound import sound_mesh
 from qgeo_filters.repair.triangle_soup import Pieces, most_lost, repaired_mesh
@@ -38,7 +39,7 @@ class Repair:
         Vertex that stands for each original one, -1 where it is gone. Several may share one, where they were joined: it
         has the position and the attributes of the first.
     face_origin : (m_new,) int64
-        Face of ``given`` that each face was.
+        Face of ``given`` that each face was; -1 for one that fills a hole.
     turned : (m_new,) bool
         Whether it was turned over: its corners are those of that face from last to first.
     report : tuple of str
@@ -75,7 +76,9 @@ class Repair:
         return back
 
 
-def repair_surface(obj: Any, *, force: bool = False, pieces: Pieces = "largest") -> Repair:
+def repair_surface(
+    obj: Any, *, force: bool = False, pieces: Pieces = "largest", fill_holes: bool | int = False
+) -> Repair:
     """Manifold mesh in one piece, made from anything that `as_surface` takes.
 
     In this order: polygons are triangulated; faces that name a missing, not finite or repeated vertex are
@@ -96,18 +99,37 @@ def repair_surface(obj: Any, *, force: bool = False, pieces: Pieces = "largest")
         their vertices are missing or not finite: what ``repair="force"`` does elsewhere.
     pieces : {"largest", "all"}
         Whether only the piece of largest area stays, or all of them, each manifold.
+    fill_holes : bool or int
+        Whether holes are filled with triangles in the end, and of how many edges at most; no vertex is added. Distances
+        across a hole become short ones: fill what the scanner left, not where a neck was cut off.
 
     Returns
     -------
     Repair
+        Faces that fill holes come last, with -1 for their ``face_origin``.
 
     Raises
     ------
+    ParameterError
+        A number of edges below 3.
     MeshError
         No faces are left, so much would be removed that it must be forced (the message says what and how many pieces
         there are), or the arrays are no triangle list at all.
     """
-    return repaired_within(obj, most_lost("force" if force else True), pieces)
+    most_edges = checked_holes(fill_holes)
+    repaired = repaired_within(obj, most_lost("force" if force else True), pieces)
+    surface, said = filled(repaired.surface, most_edges)
+    if not said:
+        return repaired
+    _log.info("repair: %s", said)
+    added = surface.n_faces - repaired.surface.n_faces
+    return replace(
+        repaired,
+        surface=surface,
+        face_origin=frozen(np.append(repaired.face_origin, np.full(added, -1))),
+        turned=frozen(np.append(repaired.turned, np.zeros(added, dtype=bool))),
+        report=(*repaired.report, said),
+    )
 
 
 def repaired_within(obj: Any, most: float, pieces: Pieces = "largest") -> Repair:

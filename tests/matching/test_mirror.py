@@ -60,9 +60,9 @@ def test_options_that_are_none() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("pair", [("H16", "H19"), ("J10", "a13")], ids=" - ".join)
-def test_teeth_of_either_jaw(data_dir: Path, pair: tuple[str, str]) -> None:
-    """A left molar onto a right one reverses the orientation, one onto another of its side keeps it."""
+def test_teeth_of_either_jaw(data_dir: Path) -> None:
+    """A left molar onto a right one reverses the orientation."""
+    pair = "Q11", "a13"
     folder = data_dir / "harder" / "teeth"
     if not folder.is_dir():
         pytest.skip("no teeth in the data")
