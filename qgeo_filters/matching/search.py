@@ -88,8 +88,10 @@ def competing_candidates(problem: MatchProblem) -> tuple[list[Candidate], list[C
     keeping, reversing = _by_orientation(candidates(problem))
     twins = _twins(problem, reversing)
     keeping += twins or []
-    if not keeping or not reversing:
+    if not reversing:
         return keeping, reversing, np.inf
+    if not keeping:  # none was proposed: that does not say that none is as good
+        return keeping, reversing, 1.0
     least = [max(min(c.mean_distortion for c in some), given.least_distortion) for some in (keeping, reversing)]
     apart = least[0] / least[1]
     ratio = min(c.rank for c in reversing) / max(min(c.rank for c in keeping), given.least_distortion)

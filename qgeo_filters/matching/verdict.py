@@ -48,11 +48,9 @@ def with_hand(
     if choice.mirrored and problem.known:  # they chose it, and may be mistaken
         return False, f"{explanation}; Y is matched as a mirror image of X, as the hints have it: mirror='yes' says so"
     if choice.mirrored:
-        other = "no map that keeps the orientation keeps distances"
+        other = f"the best map that keeps the orientation is {choice.other_hand:.1f} times as bad"
         if not clear:
-            other = f"but the best map that keeps the orientation is only {choice.other_hand:.2f} times as bad"
-        elif choice.other_hand < np.inf:
-            other = f"the best map that keeps the orientation is {choice.other_hand:.1f} times as bad"
+            other = "but no map that keeps the orientation was looked at that is much worse"
         return confident and clear, f"{explanation}; Y is matched as a mirror image of X: {other}"
     if confident and not clear:
         return False, (
