@@ -12,9 +12,13 @@ import numpy as np
 from qgeo_filters._typing import IndexArray
 from qgeo_filters.errors import MeshError
 from qgeo_filters.evaluation.datasets import Dataset, NoTruthError, PointMap, images_of, vertices_from_one
+from qgeo_filters.io.formats import path_in_errors
+from qgeo_filters.io.matlab import variables
+from qgeo_filters.io.number_files import whole_numbers
 
 # Where the meshes of a set are looked for, the first of these that holds any.
 _FOLDERS = ("off", "shapes", "shapes_test", "vtx_5k", ".")
+_MATCHES = "smpl_matches"
 
 
 class VtsDataset(Dataset):
@@ -24,8 +28,9 @@ class VtsDataset(Dataset):
     known to correspond at the template's points. Layout of Ren, Poulenard, Wonka, Ovsjanikov, "Continuous and
     orientation-preserving correspondences via functional maps", SIGGRAPH Asia 2018. Left and right: those of the
     template's points, from 1, in ``corres/template.sym``, or for each shape its vertices at the mirrored points in
-    ``corres/NAME.sym.vts``. ``test_pairs.txt``, where it is, lists the pairs, two names in each line;
-    ``handedness.txt`` a name and ``+`` or ``-``: the true map of two unlike ones reverses the orientation.
+    ``corres/NAME.sym.vts``. Instead of a ``.vts`` file there may be ``mat/NAME.mat`` with the vertices in
+    ``smpl_matches``, as the humans of SHREC'19 have it. ``test_pairs.txt``, where it is, lists the pairs, two names in
+    each line; ``handedness.txt`` a name and ``+`` or ``-``: the true map of two unlike ones reverses the orientation.
     """
 
     def __init__(self, root: str | PathLike[str]) -> None:
@@ -96,6 +101,9 @@ class VtsDataset(Dataset):
         return points, known[first]
 
     def _vertices(self, name: str) -> IndexArray:
+        matlab = self.root / "mat" / f"{name}.mat"
+        if matlab.is_file():
+            return _vertices_of_matlab(matlab)
         return vertices_from_one(self.root / "corres" / f"{name}.vts", missing=True)
 
     def _mirror_file(self, name: str) -> Path:
@@ -107,6 +115,19 @@ class VtsDataset(Dataset):
         if len(one) != len(other):
             raise MeshError(f"{first} has {len(one)} points and {second} has {len(other)}; expected one template")
         return other
+
+
+def _vertices_of_matlab(file: Path) -> IndexArray:
+    """Vertices, from 0, at the points of the template, -1 where there is none, of a MATLAB file."""
+    with path_in_errors(file):
+        content = variables(file.read_bytes())
+        matches = content.get(_MATCHES)
+        if not isinstance(matches, np.ndarray):
+            raise MeshError(f"no array {_MATCHES}, only {', '.join(content) or 'nothing'}")
+        values = whole_numbers(matches.ravel(), _MATCHES)
+        if (values < 0).any():
+            raise MeshError(f"{_MATCHES} must hold vertices, counted from 1, or 0 for none, got {values.min()}")
+    return values - 1
 
 
 class SplitDataset(VtsDataset):

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.io
 from shapes import icosphere
 
 from qgeo_filters.errors import MeshError
@@ -50,6 +51,20 @@ def test_points_without_a_vertex_have_no_truth(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read_vts(tmp_path / "corres" / "b.vts", missing=True), [4, 5, -1, 7, 8])
     with pytest.raises(MeshError, match=r"b\.vts.*counted from 1"):
         read_vts(tmp_path / "corres" / "b.vts")
+
+
+def test_vertices_of_matlab_files(tmp_path: Path) -> None:
+    for name, row in {"a": [1, 0, 3], "b": [5, 6, 7]}.items():
+        mesh(tmp_path / "off" / f"{name}.off")
+        (tmp_path / "mat").mkdir(exist_ok=True)
+        scipy.io.savemat(tmp_path / "mat" / f"{name}.mat", {"smpl_matches": np.array(row)[:, None]})
+    truth = VtsDataset(tmp_path).truth("a", "b")
+    np.testing.assert_array_equal(truth.points, [0, 2])
+    np.testing.assert_array_equal(truth.images, [4, 6])
+    for content, message in (({"other": [1]}, "no array smpl_matches, only other"), ({"smpl_matches": [-3]}, "got -3")):
+        scipy.io.savemat(tmp_path / "mat" / "a.mat", content)
+        with pytest.raises(MeshError, match=rf"a\.mat.*{message}"):
+            VtsDataset(tmp_path).truth("a", "b")
 
 
 def test_mirrored_images_are_those_of_the_points_of_the_truth(tmp_path: Path) -> None:
