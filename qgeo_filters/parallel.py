@@ -1,4 +1,4 @@
-"""The one place for threads: how many, pools of them, and BLAS on one while they run.
+"""The one place for threads and processes: how many, pools of them, and BLAS on one while they run.
 
 Results never depend on the number of threads. A function that takes long has ``workers: int | None = None`` and
 hands it to `worker_count`; inside a pool's thread None means one, so that nested work does not ask for all cores again.
@@ -9,9 +9,10 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from contextlib import ContextDecorator, contextmanager
 from contextvars import ContextVar
+from multiprocessing import get_context
 from typing import TypeVar
 
 import numpy as np
@@ -112,6 +113,25 @@ single_threaded_blas = _SingleThreadedBlas()
 Matching runs in it: BLAS's threads spin while they wait, for which a match took 1.3 times the CPU time and no less of
 the clock's, and their number changes the last bits of a sum.
 """
+
+
+def in_processes(
+    function: Callable[[Item], Result], items: Iterable[Item], workers: int | None = None
+) -> Iterator[Result]:
+    """Result of the function for each item, as they come; called in processes, at most as many as there are workers.
+
+    For work of many matches: those of one process do not share their threads well. Function, items and results are
+    pickled; the processes begin afresh, since threads of this one would be left behind in the middle of their work. An
+    error, or an end before all are taken, ends it after the calls already begun.
+    """
+    chosen = list(items)
+    with ProcessPoolExecutor(min(worker_count(workers), max(len(chosen), 1)), get_context("spawn")) as pool:
+        waiting = [pool.submit(function, item) for item in chosen]
+        try:
+            for done in as_completed(waiting):
+                yield done.result()
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
 
 
 def in_threads(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import math
 import os
 import threading
 from collections.abc import Callable
@@ -19,11 +20,12 @@ import qgeo_filters
 import qgeo_filters as qg
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.mmp.exact import exact_distances
-from qgeo_filters.matching import correspondence, intrinsic_shape, symmetry
+from qgeo_filters.matching import correspondence, intrinsic_shape, search, symmetry
 from qgeo_filters.parallel import (
     available_cores,
     concurrently,
     default_workers,
+    in_processes,
     in_threads,
     run_tasks,
     single_threaded_blas,
@@ -147,7 +149,7 @@ def test_matching_uses_one_thread_of_blas_from_the_spectra_to_the_map(monkeypatc
 
     watched(intrinsic_shape, "spectrum_of_matrix")
     watched(intrinsic_shape, "laplacian_spectrum")
-    watched(correspondence, "choose_map")
+    watched(search, "choose_map")
     watched(correspondence, "functional_map")
     watched(symmetry, "choose_reflection")
     surface = qg.Surface(*blob(2, 0))
@@ -199,6 +201,15 @@ def test_results_do_not_depend_on_the_number_of_threads() -> None:
     assert np.array_equal(*once)
     rows = [exact_distances(qg.lifted_metric(surface).intrinsic(), [0, 5, 9], workers=workers) for workers in (1, 3)]
     assert np.array_equal(*rows)
+
+
+def test_processes_give_all_results_and_the_first_error() -> None:
+    assert sorted(in_processes(math.sqrt, [4.0, 9.0, 16.0], 2)) == [2, 3, 4]
+    assert list(in_processes(math.sqrt, [], 2)) == []
+    with pytest.raises(ValueError, match="math domain error"):
+        list(in_processes(math.sqrt, [4.0, -1.0], 2))
+    with pytest.raises(qg.ParameterError, match="workers must be at least 1"):
+        list(in_processes(math.sqrt, [4.0], 0))
 
 
 def test_no_other_module_asks_for_threads() -> None:

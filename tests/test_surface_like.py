@@ -54,6 +54,7 @@ CASES: dict[str, Callable[[Any], Any]] = {
     "laplacian_spectrum": lambda m: qg.laplacian_spectrum(m, 5),
     "self_symmetry": qg.self_symmetry,
     "match": lambda m: qg.match(m, m),
+    "match_pieces": lambda m: qg.match_pieces(m, m),
     "PreparedShape": lambda m: (qg.PreparedShape(m).unit, qg.PreparedShape(m).areas),
     "compatibility": lambda m: qg.compatibility([m, OTHER], k=4),
     "barycentric_map": lambda m: qg.barycentric_map(SURFACE.vertices, P2P, m),

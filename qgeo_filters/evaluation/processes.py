@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from functools import partial as applied
 from itertools import groupby
-from multiprocessing import get_context
 
 from qgeo_filters.evaluation.datasets import Dataset
 from qgeo_filters.evaluation.runner import PairFailure, PairStore, What, by_target, measured
 from qgeo_filters.evaluation.tables import PairResult
-from qgeo_filters.parallel import worker_count
+from qgeo_filters.parallel import in_processes, worker_count
 
 # Pairs that a process takes at once: those of one target, which share its distances.
 _MOST = 8
@@ -43,14 +42,8 @@ def measured_in_processes(
     if count == 1 or len(chunks) < 2:
         yield from measured(data, by_target(pair for chunk in chunks for pair in chunk), what, store, partial=partial)
         return
-    # Not forked: threads of the parent would be left behind in the middle of their work.
-    with ProcessPoolExecutor(min(count, len(chunks)), mp_context=get_context("spawn")) as pool:
-        waiting = [pool.submit(_outcomes, data, chunk, what, store, partial) for chunk in chunks]
-        try:
-            for done in as_completed(waiting):
-                yield from done.result()
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+    for outcomes in in_processes(applied(_outcomes, data, what, store, partial), chunks, count):
+        yield from outcomes
 
 
 def _cut(pairs: list[tuple[str, str]]) -> list[list[tuple[str, str]]]:
@@ -58,6 +51,6 @@ def _cut(pairs: list[tuple[str, str]]) -> list[list[tuple[str, str]]]:
 
 
 def _outcomes(
-    data: Dataset, pairs: list[tuple[str, str]], what: What, store: PairStore | None, partial: bool
+    data: Dataset, what: What, store: PairStore | None, as_part: bool, pairs: list[tuple[str, str]]
 ) -> list[PairResult | PairFailure]:
-    return list(measured(data, pairs, what, store, partial=partial, workers=1))
+    return list(measured(data, pairs, what, store, partial=as_part, workers=1))

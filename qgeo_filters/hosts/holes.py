@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pymeshlab
-
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.surface import Surface
 
@@ -24,6 +22,8 @@ def filled(surface: Surface, most_edges: int) -> tuple[Surface, str]:
     """
     if not most_edges or not len(surface.boundary_edges):
         return surface, ""
+    import pymeshlab  # only where it is used: it takes a second
+
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.add_mesh(pymeshlab.Mesh(surface.vertices, surface.faces))
     done = meshes.meshing_close_holes(maxholesize=most_edges, newfaceselected=False, selfintersection=False)
