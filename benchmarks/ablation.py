@@ -1,6 +1,6 @@
 """What each part of `match` is worth: a row for each, without it, on a fixed sample of all sets.
 
-    python benchmarks/ablation.py DATA --tosca ROOT --processes 2
+    python benchmarks/ablation.py DATA --tosca ROOT --processes 2 [--pairs cat10-cat3 1-4]
 
 DATA and ROOT as for ``sets.py``. The pairs are those of `PAIRS`, easy ones and such as had been wrong: the means say
 what a part does there, not how good the maps are. Errors are direct, mean over the points of truth, in units of
@@ -54,12 +54,14 @@ def main() -> None:
     parser.add_argument("data", type=Path)
     parser.add_argument("--tosca", type=Path, required=True)
     parser.add_argument("--processes", type=int, default=1)
+    parser.add_argument("--pairs", nargs="+", metavar="X-Y", help="these of the sample alone")
     arguments = parser.parse_args()
+    pairs = [pair for pair in PAIRS if arguments.pairs is None or "-".join(pair[1:]) in arguments.pairs]
     print(f"{machine()}\n")
-    folders = [arguments.tosca if name == "tosca" else arguments.data / name for name, *_ in PAIRS]
+    folders = [arguments.tosca if name == "tosca" else arguments.data / name for name, *_ in pairs]
     with ProcessPoolExecutor(arguments.processes, mp_context=get_context("spawn")) as pool:
         rows = []
-        for pair, row in zip(PAIRS, pool.map(measured, folders, PAIRS), strict=True):
+        for pair, row in zip(pairs, pool.map(measured, folders, pairs), strict=True):
             rows.append(row)
             print(f"<!-- {'-'.join(pair)}: {', '.join(f'{error:.4f}' for error, *_ in row)} -->", flush=True)
     table = np.array(rows, dtype=float)
