@@ -77,8 +77,7 @@ def symmetry(
     result.npz: found, symmetry (n,), side (n,), asymmetry (n,), nearest (n,), symmetry_sum (n,), regions (n,),
     eigenvalues (k0,), eigenfunctions (n, k0), areas (n,), curve (k, 3) and curve_lengths: the points of the axis, line
     after line, and how many each has. plane in result.json: that of a shape that is its own mirror image in space.
-    Where no symmetry was found, found is False, symmetry the
-    identity, side 0 and asymmetry NaN.
+    Where no symmetry was found, found is False, symmetry the identity, side 0 and asymmetry NaN.
     """
     from qgeo_filters.cli.job import Job
     from qgeo_filters.filters import stages

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.surface import Surface
 
@@ -10,9 +12,9 @@ def checked_holes(fill_holes: bool | int) -> int:
     """Most edges of the holes that are filled: 0 for none, as many as there may be for True."""
     if isinstance(fill_holes, bool):
         return 2**31 - 1 if fill_holes else 0
-    if not isinstance(fill_holes, int) or fill_holes < 3:
+    if not isinstance(fill_holes, (int, np.integer)) or fill_holes < 3:
         raise ParameterError(f"fill_holes must be True, False or a number of edges from 3 on, got {fill_holes!r}")
-    return fill_holes
+    return int(fill_holes)
 
 
 def filled(surface: Surface, most_edges: int) -> tuple[Surface, str]:

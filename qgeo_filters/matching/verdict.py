@@ -50,7 +50,7 @@ def with_hand(
     if choice.mirrored:
         other = f"the best map that keeps the orientation is {choice.other_hand:.1f} times as bad"
         if not clear:
-            other = "but no map that keeps the orientation was looked at that is much worse"
+            other = "but it is not clear that none which keeps the orientation is as good"
         return confident and clear, f"{explanation}; Y is matched as a mirror image of X: {other}"
     if confident and not clear:
         return False, (

@@ -48,7 +48,7 @@ class Candidate:
     @property
     def rank(self) -> float:
         """What candidates are sorted by: the distortion, times how unlike surroundings are, and the penalty."""
-        return self.mean_distortion * self.unlikeness * self.penalty
+        return self.unhinted_rank * self.penalty
 
     @property
     def unhinted_rank(self) -> float:
@@ -84,8 +84,7 @@ def candidates(problem: MatchProblem) -> list[Candidate]:
     def measured(number: int, images: IndexArray) -> Candidate:
         p2p, corners = images[: len(points)], images[len(points) :].reshape(-1, 3)
         cosine = float(normal_cosines(problem.y.unit, corners).mean())
-        penalty, unlikeness = float(problem.penalties(points, p2p)), float(problem.unlikeness(points, p2p))
-        return Candidate(p2p, mean_distortion(problem, p2p), cosine, number, penalty, unlikeness)
+        return _candidate(problem, p2p, mean_distortion(problem, p2p), cosine, number)
 
     tasks = [(h.number, partial(zoomout_lift, problem, h, vertices)) for h in worth]
     tasks += [(guess.number, partial(laplacian_lift, problem, guess, vertices)) for guess in guesses]
@@ -115,9 +114,14 @@ def mirrored_map(problem: MatchProblem, c: Candidate, mirror: IndexArray, *, of_
         p2p = c.p2p[rows[:, mirror[x.fps[: len(rows)]]].argmin(axis=0)]
     distortion = mean_distortion(problem, p2p)
     number = problem.log.propose(f"#{c.number} by the symmetry of {'Y' if of_y else 'X'}", distortion, -c.orientation)
+    return _candidate(problem, p2p, distortion, -c.orientation, number)
+
+
+def _candidate(problem: MatchProblem, p2p: IndexArray, distortion: float, turned: float, number: int) -> Candidate:
+    """A map of the mapped points with all that it is ranked by."""
     points = mapped_points(problem)
     penalty, unlikeness = float(problem.penalties(points, p2p)), float(problem.unlikeness(points, p2p))
-    return Candidate(p2p, distortion, -c.orientation, number, penalty, unlikeness)
+    return Candidate(p2p, distortion, turned, number, penalty, unlikeness)
 
 
 def dearer_than(problem: MatchProblem, bound: float) -> str:
