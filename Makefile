@@ -1,3 +1,3 @@
-.PHONY: demo test
-demo test:
+.PHONY: demo test coverage
+demo test coverage:
 	@bash run.sh $@

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Sets up what is missing (system libraries, a virtual environment in .venv) and runs one of:
 #   demo [OPTIONS]   the main job on a real mesh: qgeo demo
-#   test [OPTIONS]   lint, types and tests; options go to pytest. Without any: all tests, and how much of the code they ran
+#   test [OPTIONS]   lint, types and tests; options go to pytest
+#   coverage         all tests, and how much of the code they ran: a quarter longer, so not part of the gate
 #   setup EXTRA      only the environment, with this extra of pyproject.toml (all, test)
 # PYTHON chooses the interpreter (3.11 to 3.13), VENV the folder of the environment, QGEO_TEST_SEED the order of the tests
 # (pytest prints it; `-p no:randomly` runs them as they are written).
@@ -80,17 +81,19 @@ test)
     export OPENBLAS_NUM_THREADS=1
     order="--randomly-seed=${QGEO_TEST_SEED:-2018}"
     [[ " $* " != *no:randomly* ]] || order=
-    if [ $# -gt 0 ]; then
-        exec "$bin/python" -m pytest -n 2 --dist loadfile $order "$@"
-    fi
-    "$bin/python" -m pytest -n 2 --dist loadfile $order --cov --cov-report=
+    exec "$bin/python" -m pytest -n 2 --dist loadfile $order "$@"
+    ;;
+coverage)
+    setup test
+    export OPENBLAS_NUM_THREADS=1
+    "$bin/python" -m pytest -n 2 --dist loadfile --cov --cov-report=
     exec "$bin/python" .ci/coverage_report.py
     ;;
 setup)
     setup "${2:-all}"
     ;;
 *)
-    sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
+    sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
     exit 2
     ;;
 esac
