@@ -15,6 +15,12 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothing
     from . import evaluation as evaluation
     from . import testing as testing
+    from .animation.interpolate import interpolate as interpolate
+    from .animation.sequence import Animation as Animation
+    from .animation.transfer import Transfer as Transfer
+    from .animation.transfer import transfer_deformation as transfer_deformation
+    from .animation.transfer import transfer_pose as transfer_pose
+    from .animation.transfer import transferred_poses as transferred_poses
     from .barycentric import BarycentricMap as BarycentricMap
     from .caching import cache as cache
     from .compilation import warmup as warmup
@@ -151,6 +157,12 @@ _HOME = {
     "joint_diagonalizer": "spectral.commutative",
     "compatibility": "matching.compatibility",
     "Compatibility": "matching.compatibility",
+    "transfer_deformation": "animation.transfer",
+    "transferred_poses": "animation.transfer",
+    "transfer_pose": "animation.transfer",
+    "Transfer": "animation.transfer",
+    "interpolate": "animation.interpolate",
+    "Animation": "animation.sequence",
     "warmup": "compilation",
     # filters
     "Filter": "filters.base",

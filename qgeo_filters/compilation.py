@@ -7,6 +7,7 @@ import numpy as np
 from qgeo_filters.decimation import decimated
 from qgeo_filters.deformation.arap_sums import covariances, rotated_edge_sums, rotation_misfit
 from qgeo_filters.deformation.fit_rotations import fit_rotations
+from qgeo_filters.deformation.interpolation import InterpolationPath
 from qgeo_filters.differential.normals import vertex_normals
 from qgeo_filters.geodesics.matrix import distance_matrix, distances
 from qgeo_filters.geodesics.path.paths import quasi_geodesic
@@ -47,6 +48,7 @@ def _geodesics() -> None:
     distances(surface, [0], method="exact")
     quasi_geodesic(surface, 0, 24, initial="exact")
     quasi_geodesic(surface, 0, 24, initial="edges")
+    InterpolationPath(surface, square + 1.0)(0.5)
 
 
 def _matching() -> None:

@@ -64,6 +64,7 @@ FLOORS: list[list[str]] = [
     ["matching.smooth_shells"],
     ["matching.selection"],
     ["matching"],
+    ["animation"],
     ["filters"],
     ["testing"],
     ["evaluation"],

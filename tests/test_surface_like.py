@@ -22,7 +22,7 @@ import qgeo_filters as qg
 from qgeo_filters import evaluation
 from qgeo_filters.evaluation import errors as evaluation_errors
 
-PARAMETERS = {"surface", "surfaces", "shape", "mesh", "x", "y"}
+PARAMETERS = {"surface", "surfaces", "shape", "mesh", "x", "y", "x_reference"}
 
 SURFACE = qg.Surface(*blob(2))
 N = SURFACE.n_vertices
@@ -55,6 +55,10 @@ CASES: dict[str, Callable[[Any], Any]] = {
     "self_symmetry": qg.self_symmetry,
     "match": lambda m: qg.match(m, m),
     "match_pieces": lambda m: qg.match_pieces(m, m),
+    "transfer_deformation": lambda m: qg.transfer_deformation(m, [OTHER], m, np.arange(N)),
+    "transferred_poses": lambda m: list(qg.transferred_poses(m, [OTHER], m, np.arange(N))),
+    "transfer_pose": lambda m: qg.transfer_pose(OTHER, m, np.arange(N)),
+    "interpolate": lambda m: qg.interpolate(m, OTHER, 0.5),
     "PreparedShape": lambda m: (qg.PreparedShape(m).unit, qg.PreparedShape(m).areas),
     "compatibility": lambda m: qg.compatibility([m, OTHER], k=4),
     "barycentric_map": lambda m: qg.barycentric_map(SURFACE.vertices, P2P, m),

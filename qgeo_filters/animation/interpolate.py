@@ -1,0 +1,127 @@
+"""The way from one pose of a shape to another, and through several."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from tqdm.auto import tqdm
+
+from qgeo_filters._typing import FloatArray
+from qgeo_filters.animation.places import MapLike, places_on
+from qgeo_filters.animation.poses import same_triangles
+from qgeo_filters.animation.sequence import Animation
+from qgeo_filters.deformation.interpolation import InterpolationPath
+from qgeo_filters.deformation.pose import posed
+from qgeo_filters.errors import ParameterError, concerning
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_given
+from qgeo_filters.parallel import default_workers, single_threaded_blas
+from qgeo_filters.surface import Surface
+
+# Below which the mesh of X keeps its shape rather than follow the map onto Y, in sqrt(area).
+_ON_Y = 0.02
+
+
+def interpolate(
+    x: SurfaceLike,
+    y: Any,
+    t: float | npt.ArrayLike,
+    correspondence: Any = None,
+    *,
+    accept_unsure: bool = False,
+    workers: int | None = None,
+    progress: bool = False,
+) -> Animation:
+    """Shapes between X and Y, or on a way through several poses, as rigid as possible at every moment.
+
+    Parameters
+    ----------
+    x : Surface, or whatever `as_surface` takes
+        Where the way begins; its triangles are those of the result.
+    y : the same, or a sequence of such
+        The other end, or the poses that the way goes through; of the triangles of X, or any others.
+    t : float or array-like
+        0 is X, 1 is Y (or the first of several), 2 the second, and so on. Growing, where there are several.
+    correspondence : MatchResult, BarycentricMap or array-like of int, shape (n_x,), optional
+        A match of X and Y, in either direction; or the point, or vertex, of Y for each vertex of X; or, of several
+        poses, a list with one for each. By default a mesh of the same triangles corresponds vertex by vertex, and any
+        other is matched.
+    accept_unsure : bool
+        Whether a match that is not sure is used all the same, with a warning.
+    workers : int, optional
+        Threads; all cores that the process may use by default.
+    progress : bool
+        Whether to show a progress bar over the frames.
+
+    Returns
+    -------
+    Animation
+        A frame for each t, which are its times. At the ends the mesh of X lies exactly on X, and on Y where that has
+        its triangles, else on Y to within the map's error.
+
+    Raises
+    ------
+    ParameterError
+        Times beyond the ends or not growing; a correspondence that is not sure, reverses the orientation, or is one of
+        other shapes.
+
+    Notes
+    -----
+    See `InterpolationPath`. Size and position change evenly; a body of one size in two poses keeps it.
+
+    Examples
+    --------
+    >>> way = qg.interpolate(standing, sitting, np.linspace(0, 1, 25))
+    >>> half = qg.interpolate(standing, sitting, 0.5)[0]
+    """
+    start, notes = as_given(x, "auto")
+    poses = list(y) if isinstance(y, list) else [y]
+    if not poses:
+        raise ParameterError("y must be a pose or a list of poses, got an empty list")
+    times = _checked_times(t, len(poses))
+    maps = correspondence if isinstance(correspondence, list) and len(poses) > 1 else [correspondence] * len(poses)
+    if len(maps) != len(poses):
+        raise ParameterError(f"one correspondence for each of the {len(poses)} poses, got {len(maps)}")
+    ends = [start.vertices]
+    with default_workers(workers), single_threaded_blas:
+        for k, (pose, given) in enumerate(zip(poses, maps, strict=True)):
+            with concerning(f"pose {k}"):
+                end, more = _end(start, pose, given, accept_unsure)
+            ends.append(end)
+            notes = (*notes, *more)
+        frames = list(tqdm(_frames(start, ends, times), total=len(times), desc="frames", disable=not progress))
+    return Animation(start, np.stack(frames), times, notes)
+
+
+def _frames(start: Surface, ends: list[FloatArray], times: FloatArray) -> Any:
+    """Positions at each time; the path of each leg is made once."""
+    leg, path = -1, None
+    for time in times:
+        needed = min(int(time), len(ends) - 2)
+        if path is None or needed != leg:
+            leg, path = needed, InterpolationPath(start.with_vertices(ends[needed]), ends[needed + 1])
+        yield path(time - leg)
+
+
+def _end(start: Surface, pose: Any, given: MapLike | None, accept_unsure: bool) -> tuple[FloatArray, tuple[str, ...]]:
+    """Positions of the vertices of X in the pose of Y, and what is to be said of them."""
+    surface, notes = as_given(pose, "auto")
+    if given is None and same_triangles(start, surface):
+        return surface.vertices, notes
+    places = places_on(surface, start, given, accept_unsure)
+    targets = places.on_x.pulled_back(surface.vertices)
+    if same_triangles(start, surface) and np.isfinite(targets).all() and np.array_equal(targets, surface.vertices):
+        return surface.vertices, notes
+    size = np.sqrt(surface.area / start.area)
+    grown = start.with_vertices(size * start.vertices)
+    return posed(grown, targets, _ON_Y, _ON_Y), (*notes, *places.notes)
+
+
+def _checked_times(t: float | npt.ArrayLike, last: int) -> FloatArray:
+    times = np.atleast_1d(np.asarray(t, dtype=np.float64))
+    if times.ndim != 1 or not times.size or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
+        raise ParameterError("t must be a number, or growing numbers")
+    if times[0] < 0 or times[-1] > last:
+        raise ParameterError(f"t must be from 0 to {last}, got {times[0]:g} to {times[-1]:g}")
+    return times

@@ -1,0 +1,109 @@
+"""The map along which a surface is moved: found, or taken from the caller and checked."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.barycentric import BarycentricMap
+from qgeo_filters.errors import ParameterError
+from qgeo_filters.matching.correspondence import match
+from qgeo_filters.matching.match_result import MatchResult
+from qgeo_filters.surface import Surface
+from qgeo_filters.validation import checked_indices, frozen
+
+#: What this floor takes for a map: a match in either direction; for each vertex of Y a point of X, or a vertex.
+MapLike: TypeAlias = MatchResult | BarycentricMap | npt.ArrayLike
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Point of X for each vertex of Y, and the match that it comes from, if there is one."""
+
+    on_x: BarycentricMap
+    match: MatchResult | None
+    notes: tuple[str, ...]
+
+
+def places_on(x: Surface, y: Surface, correspondence: MapLike | None, accept_unsure: bool) -> Places:
+    """Point of X for each vertex of Y.
+
+    Parameters
+    ----------
+    x, y : Surface
+    correspondence : MatchResult, BarycentricMap or array-like of int, optional
+        A match of X and Y, or of Y and X; points of X for the vertices of Y, or the vertices nearest to them, (n_y,),
+        -1: none. Found by `match` if it is not given.
+    accept_unsure : bool
+        Whether a match that is not sure is used all the same, with a warning.
+
+    Raises
+    ------
+    ParameterError
+        A map of other shapes, or without any point; one that is not sure, or reverses the orientation.
+    """
+    if correspondence is None:
+        correspondence = match(x, y)
+    if isinstance(correspondence, MatchResult):
+        return _of_match(x, y, correspondence, accept_unsure)
+    if isinstance(correspondence, BarycentricMap):
+        return Places(_checked(x, y, correspondence), None, ())
+    vertices = checked_indices(correspondence, x.n_vertices, "correspondence", missing=True)
+    if len(vertices) != y.n_vertices:
+        raise ParameterError(
+            f"correspondence must hold a vertex of X for each of the {y.n_vertices} of Y, got {len(vertices)}"
+        )
+    return Places(_checked(x, y, _at_vertices(x, vertices)), None, ())
+
+
+def _of_match(x: Surface, y: Surface, found: MatchResult, accept_unsure: bool) -> Places:
+    sizes = [(surface.n_vertices, surface.n_faces) for surface in (found.x, found.y, x, y)]
+    if sizes[:2] == sizes[2:]:
+        place = found.inverse_barycentric
+    elif sizes[:2] == sizes[3:1:-1]:
+        place = found.barycentric
+    else:
+        raise ParameterError(
+            f"the match is one of {found.x.n_vertices} and {found.y.n_vertices} vertices, "
+            f"the shapes have {x.n_vertices} and {y.n_vertices}"
+        )
+    if found.orientation < 0:
+        raise ParameterError(
+            "the map reverses the orientation, as that of a left hand onto a right one: reflect one of the shapes first"
+        )
+    notes = found.repairs
+    if not found.confident:
+        doubt = f"the correspondence is not sure: {found.explanation}"
+        if not accept_unsure:
+            raise ParameterError(f"{doubt}. Look at it, give landmarks to match, or say accept_unsure=True")
+        warnings.warn(doubt, stacklevel=4)
+        notes = (*notes, doubt)
+    return Places(_checked(x, y, place), found, notes)
+
+
+def _checked(x: Surface, y: Surface, place: BarycentricMap) -> BarycentricMap:
+    if len(place.faces) != y.n_vertices or place.faces.max() >= x.n_faces:
+        raise ParameterError(
+            f"the map has {len(place.faces)} points on triangles up to {place.faces.max()}, but Y has {y.n_vertices} "
+            f"vertices and X {x.n_faces} triangles"
+        )
+    if (place.faces < 0).all():
+        raise ParameterError("no vertex of Y has a partner on X")
+    return place
+
+
+def _at_vertices(x: Surface, vertices: npt.NDArray[np.int64]) -> BarycentricMap:
+    """The same vertices, as corners of triangles."""
+    face_of = np.full(x.n_vertices, -1, dtype=np.int64)
+    face_of[x.faces.ravel()] = np.repeat(np.arange(x.n_faces), 3)
+    known = vertices >= 0
+    place = BarycentricMap.unknown(len(vertices))
+    place.faces[known] = face_of[vertices[known]]
+    known &= place.faces >= 0
+    place.corners[known] = x.faces[place.faces[known]]
+    place.coordinates[known] = place.corners[known] == vertices[known, None]
+    return BarycentricMap(frozen(place.faces), frozen(place.corners), frozen(place.coordinates))

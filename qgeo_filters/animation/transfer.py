@@ -1,0 +1,265 @@
+"""Deformation transfer: the poses of one shape on another, with no markers."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from tqdm.auto import tqdm
+
+from qgeo_filters._typing import FloatArray
+from qgeo_filters.animation.places import MapLike, Places, places_on
+from qgeo_filters.animation.poses import given_poses, scanned_poses
+from qgeo_filters.animation.sequence import Animation
+from qgeo_filters.deformation.pose import posed
+from qgeo_filters.deformation.similarity import Similarity
+from qgeo_filters.deformation.transfer import GradientTransfer
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_given
+from qgeo_filters.matching.match_result import MatchResult
+from qgeo_filters.parallel import default_workers, single_threaded_blas
+from qgeo_filters.surface import Surface
+
+# Lengths in sqrt(area), measured by benchmarks/deformation.py: above the first positions of X count rather than
+# gradients; the others are those of `posed`, for one body and for two.
+LENGTH, SAME_BODY, OTHER_BODY = 0.2, (0.05, 0.05), (0.1, 1.0)
+# References that are farther apart, in sqrt(area) and the best similarity taken off, stand in different poses.
+_APART = 0.11
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Transfer(Animation):
+    """The poses of Y, and where they come from.
+
+    Attributes
+    ----------
+    surface, positions, times, notes
+        See `Animation`: Y and its poses.
+    source : Animation
+        X and its poses as they were followed, in the frame and size of Y.
+    correspondence : MatchResult or None
+        The match along which they were carried, None where the map was given as an array.
+    apart : float
+        Root mean square distance between the references in corresponding points, the best similarity taken off, in
+        sqrt(area): how far they are from standing in one pose.
+    """
+
+    source: Animation | None = None
+    correspondence: MatchResult | None = None
+    apart: float = 0.0
+
+
+def transfer_deformation(
+    x_reference: SurfaceLike,
+    x_poses: Any,
+    y_reference: SurfaceLike,
+    correspondence: MapLike | None = None,
+    *,
+    same_pose: bool = True,
+    same_body: bool = False,
+    scans: bool = False,
+    align: bool = True,
+    accept_unsure: bool = False,
+    workers: int | None = None,
+    progress: bool = False,
+) -> Transfer:
+    """Poses of Y that deform it as the poses of X deform X, with no markers and no equal connectivity.
+
+    Parameters
+    ----------
+    x_reference, y_reference : Surface, or whatever `as_surface` takes
+        The two shapes at rest, in any triangulation, position and size.
+    x_poses : array-like (k, n_x, 3), or sequence of arrays, meshes and paths
+        Poses of X: positions of the vertices of the reference; or, with ``scans=True``, meshes in any triangulation.
+    correspondence : MatchResult, BarycentricMap or array-like of int, shape (n_y,), optional
+        A match of the references, in either direction; or the point, or vertex, of X for each vertex of Y (-1: none).
+        By default it is found by `match`.
+    same_pose : bool
+        Whether the references stand in the same pose, as Sumner and Popovic take for granted: then Y is at rest where X
+        is. If not, Y is brought into the pose of X's reference first, and takes the poses of X rather than what
+        happened to X between them.
+    same_body : bool
+        Where the references stand in different poses: whether X and Y are one body, so that Y may be put where X is, or
+        two, each with proportions of its own.
+    scans : bool
+        Whether each pose is a mesh of its own, which is matched with the reference first; see `scanned_poses`.
+    align : bool
+        Whether turn, size and position of X are fitted to Y; without, both must have one frame and one size.
+    accept_unsure : bool
+        Whether a match that is not sure is used all the same, with a warning.
+    workers : int, optional
+        Threads; all cores that the process may use by default. The result does not depend on it.
+    progress : bool
+        Whether to show a progress bar over the poses.
+
+    Returns
+    -------
+    Transfer
+        The poses of Y in its own frame and size.
+
+    Raises
+    ------
+    ParameterError
+        Poses that do not fit the reference; a correspondence that is not sure, reverses the orientation, or is one of
+        other shapes.
+    MeshError
+        Shapes that cannot be matched.
+
+    Warns
+    -----
+    UserWarning
+        References that seem to stand in different poses with ``same_pose=True``; a correspondence that is not sure.
+
+    See Also
+    --------
+    transfer_pose : one pose, of another individual, without its reference.
+    transferred_poses : one after the other, so that what is finished can be used.
+
+    References
+    ----------
+    Sumner and Popovic, "Deformation transfer for triangle meshes", SIGGRAPH 2004; with correspondences found as Das and
+    Bhandarkar, CVPRW 2018, propose ("in absence of any prior knowledge").
+
+    Examples
+    --------
+    >>> transfer = qg.transfer_deformation("horse.obj", ["gallop-01.obj", "gallop-02.obj"], "camel.obj")
+    >>> transfer[0].write("camel-01.ply")
+    """
+    with default_workers(workers), single_threaded_blas:
+        plan = _Plan.of(x_reference, y_reference, correspondence, same_pose, same_body, align, accept_unsure)
+        poses = _poses(plan.x, x_poses, scans)
+        followed = list(tqdm(poses, desc="poses", disable=not progress))
+        moved = [plan.moved(pose) for pose in followed]
+    return Transfer(
+        surface=plan.y,
+        positions=np.stack(moved),
+        notes=plan.notes,
+        source=Animation(plan.aligned_x, np.stack([plan.frame(pose) for pose in followed])),
+        correspondence=plan.places.match,
+        apart=plan.apart,
+    )
+
+
+def transferred_poses(
+    x_reference: SurfaceLike,
+    x_poses: Any,
+    y_reference: SurfaceLike,
+    correspondence: MapLike | None = None,
+    *,
+    same_pose: bool = True,
+    same_body: bool = False,
+    scans: bool = False,
+    align: bool = True,
+    accept_unsure: bool = False,
+) -> Iterator[FloatArray]:
+    """The poses of `transfer_deformation` one after the other, (n_y, 3) each, as they are finished.
+
+    Parameters and errors are those of `transfer_deformation`. Nothing is computed before the first is asked for.
+    """
+    plan = _Plan.of(x_reference, y_reference, correspondence, same_pose, same_body, align, accept_unsure)
+    for pose in _poses(plan.x, x_poses, scans):
+        yield plan.moved(pose)
+
+
+def transfer_pose(
+    x: SurfaceLike,
+    y: SurfaceLike,
+    correspondence: MapLike | None = None,
+    *,
+    same_body: bool = False,
+    accept_unsure: bool = False,
+    workers: int | None = None,
+) -> Surface:
+    """Y in the pose of X, with its own shape: person B as person A stands.
+
+    Parameters
+    ----------
+    x, y : Surface, or whatever `as_surface` takes
+        Two individuals in any pose, triangulation, position and size.
+    correspondence, same_body, accept_unsure, workers
+        See `transfer_deformation`.
+
+    Returns
+    -------
+    Surface
+        Y, its attributes kept, where X stands and in Y's own size.
+
+    Raises
+    ------
+    ParameterError, MeshError
+        See `transfer_deformation`.
+    """
+    with default_workers(workers), single_threaded_blas:
+        pose, body = as_given(x, "auto")[0], as_given(y, "auto")[0]
+        places = places_on(pose, body, correspondence, accept_unsure)
+        targets = places.on_x.pulled_back(pose.vertices) * np.sqrt(body.area / pose.area)
+        moved = posed(body, targets, *(SAME_BODY if same_body else OTHER_BODY))
+    share = pose.vertex_areas / pose.area
+    return body.with_vertices(moved + share @ pose.vertices * (1 - np.sqrt(body.area / pose.area)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Plan:
+    """What is the same for all poses."""
+
+    x: Surface
+    y: Surface
+    aligned_x: Surface
+    frame: Similarity
+    places: Places
+    transfer: GradientTransfer
+    apart: float
+    notes: tuple[str, ...]
+
+    @classmethod
+    def of(
+        cls,
+        x_reference: SurfaceLike,
+        y_reference: SurfaceLike,
+        correspondence: MapLike | None,
+        same_pose: bool,
+        same_body: bool,
+        align: bool,
+        accept_unsure: bool,
+    ) -> _Plan:
+        x, left_x = as_given(x_reference, "auto")
+        y, left_y = as_given(y_reference, "auto")
+        places = places_on(x, y, correspondence, accept_unsure)
+        points = places.on_x.pulled_back(x.vertices)
+        known = np.isfinite(points).all(axis=1)
+        weights = y.vertex_areas[known]
+        best = Similarity.between(points[known], y.vertices[known], weights)
+        gaps = np.linalg.norm(best(points[known]) - y.vertices[known], axis=1)
+        apart = float(np.sqrt(weights @ gaps**2 / weights.sum() / y.area))
+        if not align:
+            frame = Similarity.identity()
+        elif same_pose:
+            frame = best
+        else:  # what bends changes the size that fits best, not the area
+            size = float(np.sqrt(y.area / x.area))
+            frame = Similarity.between(points[known], y.vertices[known], weights, size)
+        notes = (*left_x, *left_y, *places.notes)
+        if same_pose and apart > _APART:
+            doubt = (
+                f"the references are {apart:.2f} sqrt(area) apart in corresponding points: if they stand in different "
+                "poses, say same_pose=False"
+            )
+            warnings.warn(doubt, stacklevel=4)
+            notes = (*notes, doubt)
+        aligned = x.with_vertices(frame(x.vertices))
+        rest = y
+        if not same_pose:
+            lengths = SAME_BODY if same_body else OTHER_BODY
+            rest = y.with_vertices(posed(y, places.on_x.pulled_back(aligned.vertices), *lengths))
+        transfer = GradientTransfer(aligned, rest, places.on_x, LENGTH)
+        return cls(x, y, aligned, frame, places, transfer, apart, notes)
+
+    def moved(self, pose: FloatArray) -> FloatArray:
+        """Positions of Y in a pose of X."""
+        return self.transfer(self.frame(pose))
+
+
+def _poses(x: Surface, poses: Any, scans: bool) -> Iterator[FloatArray]:
+    return scanned_poses(x, poses) if scans else given_poses(x, poses)

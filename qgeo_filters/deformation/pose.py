@@ -1,0 +1,47 @@
+"""A surface in the pose of another one, with its own shape."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from qgeo_filters._typing import FloatArray
+from qgeo_filters.deformation.arap import ArapSolver, Pull
+from qgeo_filters.deformation.fit_rotations import fit_rotations
+from qgeo_filters.deformation.gradients import TriangleFrames
+from qgeo_filters.deformation.poisson import PoissonSolver
+from qgeo_filters.surface import Surface
+
+# How often rotations are averaged over neighbours in each of the first passes (targets fold where the map does), and
+# how many passes there are after these.
+_SMOOTHING, _PASSES = (8, 8, 4, 4, 2, 2, 1, 1), 40
+
+
+def posed(surface: Surface, targets: FloatArray, turning: float, placing: float) -> FloatArray:
+    """Positions (n, 3) of a surface in the pose that targets are in, its own shape kept.
+
+    First it is deformed towards the targets as rigidly as possible, which says how each triangle is turned; then
+    it is put together of its triangles so turned.
+
+    Parameters
+    ----------
+    surface : Surface
+    targets : (n, 3) float64
+        Place of each vertex on the other shape, in the surface's size; NaN where there is none.
+    turning, placing : float
+        Lengths in sqrt(area) below which targets are not followed, by the rotations and by the result: short where both
+        are one body, long where they are two of different proportions.
+    """
+    unit = np.sqrt(surface.area)
+    known = np.asarray(np.isfinite(targets).all(axis=1))
+    share = surface.vertex_areas * known / surface.area
+    goal = np.where(known[:, None], targets, 0.0) / unit
+    vertices = surface.vertices / unit
+    arap = ArapSolver(vertices, surface.faces)
+    pull = Pull("pose", share / turning**2)
+    solve = arap.prefactor(pull)
+    positions = goal if known.all() else solve(pull.values[:, None] * goal)  # evenly spread where nothing is known
+    for smoothing in (*_SMOOTHING, *(0,) * _PASSES):
+        positions = arap.iterate(solve, pull, positions, goal, smoothing)
+    arap.release()
+    turned = fit_rotations(TriangleFrames(vertices, surface.faces).gradients(positions))
+    return unit * PoissonSolver(vertices, surface.faces, share / placing**2)(turned, goal)
