@@ -39,6 +39,8 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .filters.appearance import Paint as Paint
     from .filters.base import Filter as Filter
     from .filters.base import Pipeline as Pipeline
+    from .filters.deformation import DeformationTransfer as DeformationTransfer
+    from .filters.deformation import Interpolate as Interpolate
     from .filters.differential import CorrectedNormals as CorrectedNormals
     from .filters.differential import Curvatures as Curvatures
     from .filters.differential import DifferentialCoordinates as DifferentialCoordinates
@@ -83,6 +85,7 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .matching.prepared_shape import PreparedShape as PreparedShape
     from .matching.symmetry import Symmetry as Symmetry
     from .matching.symmetry import self_symmetry as self_symmetry
+    from .report.animation_file import write_animation as write_animation
     from .spectral.block_krylov import streamed_spectrum as streamed_spectrum
     from .spectral.commutative import CommutativeSpectra as CommutativeSpectra
     from .spectral.commutative import commutative_eigenspectra as commutative_eigenspectra
@@ -163,6 +166,7 @@ _HOME = {
     "Transfer": "animation.transfer",
     "interpolate": "animation.interpolate",
     "Animation": "animation.sequence",
+    "write_animation": "report.animation_file",
     "warmup": "compilation",
     # filters
     "Filter": "filters.base",
@@ -180,6 +184,8 @@ _HOME = {
     "Correspondence": "filters.matching",
     "Paint": "filters.appearance",
     "TransferAttributes": "filters.transfer",
+    "DeformationTransfer": "filters.deformation",
+    "Interpolate": "filters.deformation",
     "register_pymeshlab": "filters.meshlab_methods",
 }
 _MODULES = ("testing", "evaluation")

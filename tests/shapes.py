@@ -159,6 +159,13 @@ def bent(vertices: np.ndarray, amount: float) -> np.ndarray:
     return np.column_stack([x, y * np.cos(angle) - z * np.sin(angle), y * np.sin(angle) + z * np.cos(angle)])
 
 
+def arched(vertices: np.ndarray, curvature: float) -> np.ndarray:
+    """Positions bent about the x axis so that the y axis becomes a circle of the same length."""
+    x, y, z = vertices.T
+    radius = 1 / curvature
+    return np.column_stack([x, (radius + z) * np.sin(y / radius), (radius + z) * np.cos(y / radius) - radius])
+
+
 @built_once
 def terrain(n: int, seed: int, roughness: float = 0.0, stretch: float = 1.0) -> Mesh:
     """Delaunay triangles over random points of a rectangle, needles at its border included, at random heights.

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from tqdm.auto import tqdm
 
 from qgeo_filters._typing import FloatArray
-from qgeo_filters.animation.places import MapLike, places_on
+from qgeo_filters.animation.places import MapLike, Places, places_on, warned
 from qgeo_filters.animation.poses import same_triangles
 from qgeo_filters.animation.sequence import Animation
 from qgeo_filters.deformation.interpolation import InterpolationPath
@@ -83,14 +83,18 @@ def interpolate(
     maps = correspondence if isinstance(correspondence, list) and len(poses) > 1 else [correspondence] * len(poses)
     if len(maps) != len(poses):
         raise ParameterError(f"one correspondence for each of the {len(poses)} poses, got {len(maps)}")
-    ends = [start.vertices]
+    ends, doubts = [start.vertices], tuple[str, ...]()
     with default_workers(workers), single_threaded_blas:
         for k, (pose, given) in enumerate(zip(poses, maps, strict=True)):
             with concerning(f"pose {k}"):
-                end, more = _end(start, pose, given, accept_unsure)
+                end, left, places = _end(start, pose, given, accept_unsure)
             ends.append(end)
-            notes = (*notes, *more)
+            notes += left
+            if places is not None:
+                notes += places.notes + places.doubts
+                doubts += places.doubts
         frames = list(tqdm(_frames(start, ends, times), total=len(times), desc="frames", disable=not progress))
+    warned(doubts)
     return Animation(start, np.stack(frames), times, notes)
 
 
@@ -104,18 +108,19 @@ def _frames(start: Surface, ends: list[FloatArray], times: FloatArray) -> Any:
         yield path(time - leg)
 
 
-def _end(start: Surface, pose: Any, given: MapLike | None, accept_unsure: bool) -> tuple[FloatArray, tuple[str, ...]]:
-    """Positions of the vertices of X in the pose of Y, and what is to be said of them."""
-    surface, notes = as_given(pose, "auto")
+def _end(
+    start: Surface, pose: Any, given: MapLike | None, accept_unsure: bool
+) -> tuple[FloatArray, tuple[str, ...], Places | None]:
+    """Positions of the vertices of X in the pose of Y, what was left out of Y, and the map, unless it is one to one."""
+    surface, left = as_given(pose, "auto")
     if given is None and same_triangles(start, surface):
-        return surface.vertices, notes
+        return surface.vertices, left, None
     places = places_on(surface, start, given, accept_unsure)
     targets = places.on_x.pulled_back(surface.vertices)
-    if same_triangles(start, surface) and np.isfinite(targets).all() and np.array_equal(targets, surface.vertices):
-        return surface.vertices, notes
-    size = np.sqrt(surface.area / start.area)
-    grown = start.with_vertices(size * start.vertices)
-    return posed(grown, targets, _ON_Y, _ON_Y), (*notes, *places.notes)
+    if np.array_equal(targets, surface.vertices):
+        return targets, left, places
+    grown = start.with_vertices(np.sqrt(surface.area / start.area) * start.vertices)
+    return posed(grown, targets, _ON_Y, _ON_Y), left, places
 
 
 def _checked_times(t: float | npt.ArrayLike, last: int) -> FloatArray:

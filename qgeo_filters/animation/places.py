@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -22,11 +23,12 @@ MapLike: TypeAlias = MatchResult | BarycentricMap | npt.ArrayLike
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Point of X for each vertex of Y, and the match that it comes from, if there is one."""
+    """Point of X for each vertex of Y, the match that it comes from, if there is one, and what is to be said of it."""
 
     on_x: BarycentricMap
-    match: MatchResult | None
-    notes: tuple[str, ...]
+    match: MatchResult | None = None
+    notes: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
 
 
 def places_on(x: Surface, y: Surface, correspondence: MapLike | None, accept_unsure: bool) -> Places:
@@ -39,7 +41,7 @@ def places_on(x: Surface, y: Surface, correspondence: MapLike | None, accept_uns
         A match of X and Y, or of Y and X; points of X for the vertices of Y, or the vertices nearest to them, (n_y,),
         -1: none. Found by `match` if it is not given.
     accept_unsure : bool
-        Whether a match that is not sure is used all the same, with a warning.
+        Whether a match that is not sure is used all the same: the caller is to warn of the doubts.
 
     Raises
     ------
@@ -51,13 +53,19 @@ def places_on(x: Surface, y: Surface, correspondence: MapLike | None, accept_uns
     if isinstance(correspondence, MatchResult):
         return _of_match(x, y, correspondence, accept_unsure)
     if isinstance(correspondence, BarycentricMap):
-        return Places(_checked(x, y, correspondence), None, ())
+        return Places(_checked(x, y, correspondence))
     vertices = checked_indices(correspondence, x.n_vertices, "correspondence", missing=True)
     if len(vertices) != y.n_vertices:
         raise ParameterError(
             f"correspondence must hold a vertex of X for each of the {y.n_vertices} of Y, got {len(vertices)}"
         )
-    return Places(_checked(x, y, _at_vertices(x, vertices)), None, ())
+    return Places(_checked(x, y, _at_vertices(x, vertices)))
+
+
+def warned(doubts: Iterable[str]) -> None:
+    """Warn of doubts, in the name of whoever called the function that calls this one."""
+    for doubt in doubts:
+        warnings.warn(doubt, stacklevel=3)
 
 
 def _of_match(x: Surface, y: Surface, found: MatchResult, accept_unsure: bool) -> Places:
@@ -75,14 +83,10 @@ def _of_match(x: Surface, y: Surface, found: MatchResult, accept_unsure: bool) -
         raise ParameterError(
             "the map reverses the orientation, as that of a left hand onto a right one: reflect one of the shapes first"
         )
-    notes = found.repairs
-    if not found.confident:
-        doubt = f"the correspondence is not sure: {found.explanation}"
-        if not accept_unsure:
-            raise ParameterError(f"{doubt}. Look at it, give landmarks to match, or say accept_unsure=True")
-        warnings.warn(doubt, stacklevel=4)
-        notes = (*notes, doubt)
-    return Places(_checked(x, y, place), found, notes)
+    doubt = "" if found.confident else f"the correspondence is not sure: {found.explanation}"
+    if doubt and not accept_unsure:
+        raise ParameterError(f"{doubt}. Look at it, give landmarks to match, or say accept_unsure=True")
+    return Places(_checked(x, y, place), found, found.repairs, (doubt,) if doubt else ())
 
 
 def _checked(x: Surface, y: Surface, place: BarycentricMap) -> BarycentricMap:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -11,9 +10,10 @@ import numpy as np
 from tqdm.auto import tqdm
 
 from qgeo_filters._typing import FloatArray
-from qgeo_filters.animation.places import MapLike, Places, places_on
+from qgeo_filters.animation.places import MapLike, Places, places_on, warned
 from qgeo_filters.animation.poses import given_poses, scanned_poses
 from qgeo_filters.animation.sequence import Animation
+from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.deformation.pose import posed
 from qgeo_filters.deformation.similarity import Similarity
 from qgeo_filters.deformation.transfer import GradientTransfer
@@ -41,6 +41,8 @@ class Transfer(Animation):
         X and its poses as they were followed, in the frame and size of Y.
     correspondence : MatchResult or None
         The match along which they were carried, None where the map was given as an array.
+    place : BarycentricMap or None
+        Point of X for each vertex of Y: what `correspondence` says, or was given.
     apart : float
         Root mean square distance between the references in corresponding points, the best similarity taken off, in
         sqrt(area): how far they are from standing in one pose.
@@ -48,6 +50,7 @@ class Transfer(Animation):
 
     source: Animation | None = None
     correspondence: MatchResult | None = None
+    place: BarycentricMap | None = None
     apart: float = 0.0
 
 
@@ -132,12 +135,14 @@ def transfer_deformation(
         poses = _poses(plan.x, x_poses, scans)
         followed = list(tqdm(poses, desc="poses", disable=not progress))
         moved = [plan.moved(pose) for pose in followed]
+    warned(plan.doubts)
     return Transfer(
         surface=plan.y,
         positions=np.stack(moved),
-        notes=plan.notes,
+        notes=(*plan.notes, *plan.doubts),
         source=Animation(plan.aligned_x, np.stack([plan.frame(pose) for pose in followed])),
         correspondence=plan.places.match,
+        place=plan.places.on_x,
         apart=plan.apart,
     )
 
@@ -159,6 +164,7 @@ def transferred_poses(
     Parameters and errors are those of `transfer_deformation`. Nothing is computed before the first is asked for.
     """
     plan = _Plan.of(x_reference, y_reference, correspondence, same_pose, same_body, align, accept_unsure)
+    warned(plan.doubts)
     for pose in _poses(plan.x, x_poses, scans):
         yield plan.moved(pose)
 
@@ -196,6 +202,7 @@ def transfer_pose(
         places = places_on(pose, body, correspondence, accept_unsure)
         targets = places.on_x.pulled_back(pose.vertices) * np.sqrt(body.area / pose.area)
         moved = posed(body, targets, *(SAME_BODY if same_body else OTHER_BODY))
+    warned(places.doubts)
     share = pose.vertex_areas / pose.area
     return body.with_vertices(moved + share @ pose.vertices * (1 - np.sqrt(body.area / pose.area)))
 
@@ -212,6 +219,7 @@ class _Plan:
     transfer: GradientTransfer
     apart: float
     notes: tuple[str, ...]
+    doubts: tuple[str, ...]
 
     @classmethod
     def of(
@@ -240,21 +248,19 @@ class _Plan:
         else:  # what bends changes the size that fits best, not the area
             size = float(np.sqrt(y.area / x.area))
             frame = Similarity.between(points[known], y.vertices[known], weights, size)
-        notes = (*left_x, *left_y, *places.notes)
+        doubts = places.doubts
         if same_pose and apart > _APART:
-            doubt = (
+            doubts += (
                 f"the references are {apart:.2f} sqrt(area) apart in corresponding points: if they stand in different "
-                "poses, say same_pose=False"
+                "poses, say same_pose=False",
             )
-            warnings.warn(doubt, stacklevel=4)
-            notes = (*notes, doubt)
         aligned = x.with_vertices(frame(x.vertices))
         rest = y
         if not same_pose:
             lengths = SAME_BODY if same_body else OTHER_BODY
             rest = y.with_vertices(posed(y, places.on_x.pulled_back(aligned.vertices), *lengths))
         transfer = GradientTransfer(aligned, rest, places.on_x, LENGTH)
-        return cls(x, y, aligned, frame, places, transfer, apart, notes)
+        return cls(x, y, aligned, frame, places, transfer, apart, (*left_x, *left_y, *places.notes), doubts)
 
     def moved(self, pose: FloatArray) -> FloatArray:
         """Positions of Y in a pose of X."""

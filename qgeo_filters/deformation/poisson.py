@@ -9,10 +9,13 @@ from scipy import sparse
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.cholesky import factorised_spd
 from qgeo_filters.jit import njit
+from qgeo_filters.surface import Surface
 from qgeo_filters.triangle_geometry import face_crosses
 
 # Least area of a triangle, relative to its longest side squared: thinner ones would weigh without bound.
 _THIN = 1e-6
+# Least part of the area that a vertex stands for, of an equal share.
+_LEAST_SHARE = 1e-6
 
 
 class PoissonSolver:
@@ -51,6 +54,12 @@ class PoissonSolver:
         """Positions (n, 3) for gradients (m, 3, 3) and targets (n, 3)."""
         right = gradient_sums(self._vertices, self._faces, self._cotangents, np.ascontiguousarray(gradients))
         return np.ascontiguousarray(self._solve(right + self.pull[:, None] * targets))
+
+
+def area_shares(surface: Surface) -> FloatArray:
+    """Part of the area of each vertex, (n,); a little for those without any, so that each is somewhere."""
+    shares = surface.vertex_areas / surface.area if surface.area > 0 else np.zeros(surface.n_vertices)
+    return np.maximum(shares, _LEAST_SHARE / surface.n_vertices)
 
 
 def half_cotangents(vertices: FloatArray, faces: IntArray) -> FloatArray:

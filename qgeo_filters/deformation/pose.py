@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from qgeo_filters._typing import FloatArray
+from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.deformation.arap import ArapSolver, Pull
 from qgeo_filters.deformation.fit_rotations import fit_rotations
 from qgeo_filters.deformation.gradients import TriangleFrames
-from qgeo_filters.deformation.poisson import PoissonSolver
+from qgeo_filters.deformation.poisson import PoissonSolver, area_shares
 from qgeo_filters.surface import Surface
 
 # How often rotations are averaged over neighbours in each of the first passes (targets fold where the map does), and
 # how many passes there are after these.
 _SMOOTHING, _PASSES = (8, 8, 4, 4, 2, 2, 1, 1), 40
+
+# Length below which targets are not followed where they only are to be kept.
+_EXACTLY = 1e-3
 
 
 def posed(surface: Surface, targets: FloatArray, turning: float, placing: float) -> FloatArray:
@@ -33,15 +36,21 @@ def posed(surface: Surface, targets: FloatArray, turning: float, placing: float)
     """
     unit = np.sqrt(surface.area)
     known = np.asarray(np.isfinite(targets).all(axis=1))
-    share = surface.vertex_areas * known / surface.area
+    share = area_shares(surface) * known
     goal = np.where(known[:, None], targets, 0.0) / unit
     vertices = surface.vertices / unit
     arap = ArapSolver(vertices, surface.faces)
     pull = Pull("pose", share / turning**2)
     solve = arap.prefactor(pull)
-    positions = goal if known.all() else solve(pull.values[:, None] * goal)  # evenly spread where nothing is known
+    positions = goal if known.all() else _filled(vertices, surface.faces, share, goal)
     for smoothing in (*_SMOOTHING, *(0,) * _PASSES):
         positions = arap.iterate(solve, pull, positions, goal, smoothing)
     arap.release()
     turned = fit_rotations(TriangleFrames(vertices, surface.faces).gradients(positions))
     return unit * PoissonSolver(vertices, surface.faces, share / placing**2)(turned, goal)
+
+
+def _filled(vertices: FloatArray, faces: IntArray, share: FloatArray, goal: FloatArray) -> FloatArray:
+    """The goal where a vertex has one, and evenly spread in between."""
+    flat = np.zeros((len(faces), 3, 3))
+    return PoissonSolver(vertices, faces, share / _EXACTLY**2)(flat, goal)

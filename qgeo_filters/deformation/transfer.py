@@ -11,7 +11,7 @@ from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.closest_points import closest_points
 from qgeo_filters.deformation.fit_rotations import fit_rotations
 from qgeo_filters.deformation.gradients import TriangleFrames
-from qgeo_filters.deformation.poisson import PoissonSolver
+from qgeo_filters.deformation.poisson import PoissonSolver, area_shares
 from qgeo_filters.surface import Surface
 
 # Points of a triangle at which gradients are read: near its corners, the middles of its sides, and its centre.
@@ -20,8 +20,6 @@ _SAMPLES = 0.2 / 3 + 0.8 * np.array(
 )
 # The image of a triangle is torn where it is so many times longer than the triangle, or those of the image.
 _TORN = 4.0
-# Least part of the area that a vertex stands for, of an equal share.
-_LEAST_SHARE = 1e-6
 
 
 class GradientTransfer:
@@ -59,7 +57,7 @@ class GradientTransfer:
         self._offsets = y.vertices - self._images @ x.vertices
         _, piece = y.components
         placed = known | ~np.isin(piece, piece[known])
-        self._solver = PoissonSolver(y.vertices, y.faces, _masses(y) * placed / length**2)
+        self._solver = PoissonSolver(y.vertices, y.faces, area_shares(y) * placed / length**2)
 
     def __call__(self, pose: FloatArray) -> FloatArray:
         """Positions (n_y, 3) of Y in a pose (n_x, 3) of X."""
@@ -68,12 +66,6 @@ class GradientTransfer:
         turned = fit_rotations((self._images @ (self._at_corners @ flat)).reshape(-1, 3, 3))
         targets = self._images @ pose + np.einsum("nij,nj->ni", turned, self._offsets)
         return self._solver(gradients, targets)
-
-
-def _masses(y: Surface) -> FloatArray:
-    """Share of the area of each vertex, (n,); a little for those without, so that each has its place."""
-    share = y.vertex_areas / y.area
-    return np.maximum(share, _LEAST_SHARE / y.n_vertices)
 
 
 def _interpolation(x: Surface, place: BarycentricMap, of: IndexArray) -> sparse.csr_array:

@@ -6,13 +6,14 @@ import inspect
 import os
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
 from qgeo_filters._deprecation import renamed_parameters
-from qgeo_filters._typing import RepairOption
+from qgeo_filters._typing import FloatArray, RepairOption
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.caching import cache
 from qgeo_filters.errors import MeshError, ParameterError, reason
@@ -25,7 +26,7 @@ from qgeo_filters.filters.repaired import (
     repaired_values,
     repaired_vertices,
 )
-from qgeo_filters.hosts.dispatch import as_surface, is_host_mesh, write_back
+from qgeo_filters.hosts.dispatch import as_surface, is_host_mesh, with_positions, write_back
 from qgeo_filters.hosts.repair import Repair, repaired_within
 from qgeo_filters.parallel import default_workers
 from qgeo_filters.repair.triangle_soup import most_lost
@@ -37,6 +38,8 @@ FilterType = TypeVar("FilterType", bound="Filter")
 
 class Filter:
     """One step from a mesh to the same mesh with more named per-vertex attributes.
+
+    A filter that moves vertices overrides `apply` and returns the surface elsewhere.
 
     A subclass takes keyword arguments only, each with a default, stores each unchanged under its own name and does
     nothing else in its constructor (scikit-learn's convention), lists in `outputs` the attributes that it adds, and
@@ -115,44 +118,47 @@ class Filter:
         with cache.held(), default_workers(workers):
             if not checked_repair(repair):
                 surface = as_surface(mesh)
-                return write_back(mesh, surface, _added(surface, self.apply(surface, progress)))
+                return _changed(mesh, surface, _changes(surface, self.apply(surface, progress)))
             if repair == "auto":
                 back = self._mended(mesh, progress)
                 if self.repair_ is None:
-                    return write_back(mesh, as_surface(mesh), back)
+                    return _changed(mesh, as_surface(mesh), back)
             else:
                 back = self._on(repaired_within(mesh, most_lost(repair)), progress)
         return self._written(mesh, back)
 
-    def _mended(self, mesh: Any, progress: bool) -> dict[str, np.ndarray]:
-        """What the filter adds to a mesh as it is, or, where it cannot take it, to a repaired copy."""
+    def _mended(self, mesh: Any, progress: bool) -> Changes:
+        """What the filter does to a mesh as it is, or, where it cannot take it, to a repaired copy."""
         refusal = None
         try:
             surface = as_surface(mesh)
             if self.pointwise or not surface.unwelded_vertices.size:
-                return _added(surface, self.apply(surface, progress))
+                return _changes(surface, self.apply(surface, progress))
         except MeshError as error:
             refusal = error
         return least_repair(mesh, lambda repair: self._on(repair, progress), refusal)
 
-    def _on(self, repair: Repair, progress: bool) -> dict[str, np.ndarray]:
-        """What the filter adds to the repaired mesh, on the original vertices."""
+    def _on(self, repair: Repair, progress: bool) -> Changes:
+        """What the filter does to the repaired mesh, on the original vertices; one that is gone stays where it is."""
         self.repair_ = repair
         with parameters_on(repair, _steps_of(self)):
-            added = _added(repair.surface, self.apply(repair.surface, progress))
-        return {name: carried_back(repair, values, name in self.index_outputs) for name, values in added.items()}
+            made = _changes(repair.surface, self.apply(repair.surface, progress))
+        added = {name: carried_back(repair, v, name in self.index_outputs) for name, v in made.added.items()}
+        return Changes(added, None if made.shift is None else np.nan_to_num(repair.map_back(made.shift)))
 
     def repaired_parameters(self, repair: Repair) -> dict[str, Any]:
         """Constructor arguments for the repaired mesh, of those that hold vertices of the mesh or values there."""
         vertices = {name: repaired_vertices(repair, name, getattr(self, name)) for name in self.index_parameters}
         return vertices | {name: repaired_values(repair, getattr(self, name)) for name in self.value_parameters}
 
-    def _written(self, mesh: Any, back: dict[str, np.ndarray]) -> Any:
+    def _written(self, mesh: Any, back: Changes) -> Any:
         assert self.repair_ is not None
         try:
-            return write_back(mesh, as_surface(mesh), back)
+            return _changed(mesh, as_surface(mesh), back)
         except MeshError:
-            return write_back(mesh, None, back) if is_host_mesh(mesh) else self.repair_.given.with_attributes(back)
+            if is_host_mesh(mesh) and back.shift is None:
+                return write_back(mesh, None, back.added)
+            return _changed(self.repair_.given, self.repair_.given, back)
 
     # -- parameters ---------------------------------------------------------------------------------
 
@@ -306,6 +312,22 @@ def _steps_of(filter: Filter) -> Sequence[Filter]:
     return filter.steps if isinstance(filter, Pipeline) else [filter]
 
 
-def _added(before: Surface, after: Surface) -> dict[str, np.ndarray]:
-    """Attributes that are new or replaced."""
-    return {name: values for name, values in after.attributes.items() if before.attributes.get(name) is not values}
+@dataclass(frozen=True, eq=False)
+class Changes:
+    """What a filter does to a surface: attributes, new or replaced, and how far each vertex is moved, if at all."""
+
+    added: dict[str, np.ndarray]
+    shift: FloatArray | None
+
+
+def _changes(before: Surface, after: Surface) -> Changes:
+    added = {name: values for name, values in after.attributes.items() if before.attributes.get(name) is not values}
+    return Changes(added, None if after.vertices is before.vertices else after.vertices - before.vertices)
+
+
+def _changed(mesh: Any, surface: Surface, changes: Changes) -> Any:
+    """The mesh of any host, with ``as_surface(mesh)`` given, after the changes."""
+    if changes.shift is not None:
+        surface = surface.with_vertices(surface.vertices + changes.shift)
+        mesh = with_positions(mesh, surface.vertices)
+    return write_back(mesh, surface, changes.added)

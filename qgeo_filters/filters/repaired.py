@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -13,17 +13,17 @@ from qgeo_filters.hosts.repair import Repair, repaired_within
 from qgeo_filters.repair.triangle_soup import PIECES, most_lost
 from qgeo_filters.validation import listed
 
+Result = TypeVar("Result")
 
-def least_repair(
-    mesh: Any, apply: Callable[[Repair], dict[str, np.ndarray]], refusal: MeshError | None = None
-) -> dict[str, np.ndarray]:
-    """What a filter adds to a mesh that needs repair: with all of its pieces, or with the largest if it must.
+
+def least_repair(mesh: Any, apply: Callable[[Repair], Result], refusal: MeshError | None = None) -> Result:
+    """What a filter does to a mesh that needs repair: with all of its pieces, or with the largest if it must.
 
     Parameters
     ----------
     mesh : mesh object
     apply : callable
-        Gives what is added to the repaired mesh.
+        Gives what is done to the repaired mesh.
     refusal : MeshError, optional
         Why the filter refused the mesh as it is: raised where there is nothing to repair.
     """

@@ -14,7 +14,6 @@ from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.report.colors import MISSING, ordered_colors, position_colors
 from qgeo_filters.report.maps import view_alike
 from qgeo_filters.report.view import View, best_view
-from qgeo_filters.surface import Surface
 
 _RADIUS = 0.008  # of the ball of a landmark, as a share of the shape's extent
 _GAP = 0.15  # between the shapes, as a share of the wider one
@@ -58,9 +57,12 @@ def write_match_glb(
     colors = map_colors(found, views[1])
     units = np.sqrt(x.area), np.sqrt(y.area if normalize else x.area)
     scene = trimesh.Scene()
-    placements = _beside(x, views[0], units[0], -1.0), _beside(y, views[1], units[1], 1.0)
+    placements = [
+        placed_beside(surface.vertices[surface.faces.ravel()], view_of, unit, side)
+        for surface, view_of, unit, side in zip((x, y), views, units, (-1.0, 1.0), strict=True)
+    ]
     for name, surface, color, placement in zip("XY", (x, y), colors, placements, strict=True):
-        mesh = _colored(surface.vertices, surface.faces, color, surface.vertex_normals)
+        mesh = colored_mesh(surface.vertices, surface.faces, color, surface.vertex_normals)
         scene.add_geometry(mesh, node_name=name, geom_name=f"{name} mesh", transform=placement)
     if landmarks is not None:
         for name, surface, marks, placement in zip(
@@ -71,7 +73,7 @@ def write_match_glb(
             for k, color in enumerate(ordered_colors(len(marks))):
                 if marks.is_known[k]:
                     ball = trimesh.creation.icosphere(subdivisions=2, radius=radius)
-                    mesh = _colored(ball.vertices + places[k], ball.faces, np.tile(color, (len(ball.vertices), 1)))
+                    mesh = colored_mesh(ball.vertices + places[k], ball.faces, np.tile(color, (len(ball.vertices), 1)))
                     called = f"{name} {marks.names[k]}"
                     scene.add_geometry(mesh, node_name=f"{called} ({k + 1})", geom_name=called, transform=placement)
     content = scene.export(file_type="glb", include_normals=True)
@@ -79,7 +81,7 @@ def write_match_glb(
         file.write(content)
 
 
-def _colored(vertices: FloatArray, faces: np.ndarray, colors: FloatArray, normals: FloatArray | None = None) -> Any:
+def colored_mesh(vertices: FloatArray, faces: np.ndarray, colors: FloatArray, normals: FloatArray | None = None) -> Any:
     """Mesh of trimesh's with a dull material and a colour for each vertex."""
     import trimesh
 
@@ -91,9 +93,9 @@ def _colored(vertices: FloatArray, faces: np.ndarray, colors: FloatArray, normal
     return trimesh.Trimesh(vertices, faces, vertex_normals=normals, visual=visual, process=False, validate=False)
 
 
-def _beside(surface: Surface, view: View, unit: float, side: float) -> FloatArray:
-    """Placement (4, 4) of a shape: seen as in a view, of that unit, left (-1) or right (1) of the origin."""
-    turned = surface.vertices[surface.faces.ravel()] @ view.axes.T / unit
+def placed_beside(points: FloatArray, view: View, unit: float, side: float) -> FloatArray:
+    """Placement (4, 4) of points: seen as in a view, of that unit, left (-1), right (1) of the origin, or there (0)."""
+    turned = points @ view.axes.T / unit
     low, high = turned.min(axis=0), turned.max(axis=0)
     shift = -0.5 * (low + high)
     shift[0] += side * 0.5 * (1 + _GAP) * (high[0] - low[0])

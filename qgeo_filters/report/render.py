@@ -33,6 +33,7 @@ def render_mesh(
     isolines: npt.ArrayLike = (),
     glyphs: Sequence[Glyph] = (),
     view: View | None = None,
+    shown: npt.ArrayLike | None = None,
     size: tuple[int, int] = (640, 480),
     background: tuple[float, float, float] = (1.0, 1.0, 1.0),
     supersample: int = 3,
@@ -61,6 +62,8 @@ def render_mesh(
         Points and curves, hidden and shaded like the surface. The picture fits the surface alone.
     view : View, optional
         `best_view` by default.
+    shown : array-like, shape (k, 3), optional
+        Points that the picture has room for; the surface by default. The frames of a film share them.
     size : (int, int)
         Width and height in pixels.
     background : (r, g, b)
@@ -81,7 +84,8 @@ def render_mesh(
         raise ParameterError("give values or colors, not both")
     view = best_view(surface.vertices, surface.faces) if view is None else view
     width, height = size[0] * supersample, size[1] * supersample
-    projection = view.fit(surface.vertices[np.unique(surface.faces)], width, height)
+    room = surface.vertices[np.unique(surface.faces)] if shown is None else np.asarray(shown, dtype=np.float64)
+    projection = view.fit(room, width, height)
 
     solids = [surface, *(Surface(glyph.vertices, glyph.faces) for glyph in glyphs)]
     starts = np.cumsum([0, *(solid.n_vertices for solid in solids)])

@@ -1,0 +1,164 @@
+"""Filters that move a mesh: poses of another one taken over, and the way to another pose."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from qgeo_filters.animation.interpolate import interpolate
+from qgeo_filters.animation.poses import same_triangles
+from qgeo_filters.animation.sequence import Animation
+from qgeo_filters.animation.transfer import Transfer, transfer_deformation
+from qgeo_filters.errors import ParameterError
+from qgeo_filters.filters import stages
+from qgeo_filters.filters.base import Filter
+from qgeo_filters.filters.registry import registered
+from qgeo_filters.hosts.dispatch import as_given
+from qgeo_filters.surface import Surface
+
+
+class MovingFilter(Filter):
+    """A filter that puts the vertices elsewhere and says how far: ``qgeo_displacement``."""
+
+    pointwise = True  # what needs repair is repaired where the map is sought
+
+    outputs = {"qgeo_displacement": "(n, 3), mesh units: from where the vertex was to where it is"}
+
+    def moved(self, surface: Surface, progress: bool) -> np.ndarray:
+        """New positions (n, 3); what a subclass implements."""
+        raise NotImplementedError(f"{type(self).__name__} must implement moved")
+
+    def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
+        """Displacement by attribute name."""
+        return {"qgeo_displacement": self.moved(surface, progress) - surface.vertices}
+
+    def apply(self, surface: Surface, progress: bool = False) -> Surface:
+        """The surface elsewhere, with all of its attributes and the displacement."""
+        added = self.compute(surface, progress)
+        return surface.with_vertices(surface.vertices + added["qgeo_displacement"]).with_attributes(added)
+
+
+@registered
+class DeformationTransfer(MovingFilter):
+    """Moves the mesh as poses of another one move that, with no markers; see `transfer_deformation`.
+
+    Parameters
+    ----------
+    source : mesh of any kind, or path
+        The other mesh at rest, as the filtered one is.
+    poses : sequence of arrays, meshes and paths
+        Of the source: positions of its vertices, or, with ``scans=True``, meshes in any triangulation.
+    frame : int
+        Number of the pose in which the mesh comes back, from 0, negative ones from the end; all are in ``transfer_``.
+    correspondence : MatchResult, BarycentricMap or array-like of int, optional
+        As in `transfer_deformation`, of source and mesh; found if it is not given, and together with the
+        `Correspondence` filter only once.
+    same_pose, same_body, scans, align, accept_unsure : bool
+        See `transfer_deformation`.
+    """
+
+    transfer_: Transfer
+    """All poses of the last call, and those of the source."""
+
+    @classmethod
+    def example(cls, surface: Surface) -> Filter:
+        """With itself."""
+        pose = surface.vertices * [1.0, 1.0, 1.1]
+        return cls(source=surface, poses=[pose], correspondence=np.arange(surface.n_vertices))
+
+    def __init__(
+        self,
+        *,
+        source: Any = None,
+        poses: Any = None,
+        frame: int = -1,
+        correspondence: Any = None,
+        same_pose: bool = True,
+        same_body: bool = False,
+        scans: bool = False,
+        align: bool = True,
+        accept_unsure: bool = False,
+    ) -> None:
+        self.source = source
+        self.poses = poses
+        self.frame = frame
+        self.correspondence = correspondence
+        self.same_pose = same_pose
+        self.same_body = same_body
+        self.scans = scans
+        self.align = align
+        self.accept_unsure = accept_unsure
+
+    def moved(self, surface: Surface, progress: bool) -> np.ndarray:
+        """Positions in the chosen pose."""
+        if self.source is None or self.poses is None:
+            raise ParameterError(
+                "DeformationTransfer needs the source and its poses: DeformationTransfer(source=mesh, poses=[...])"
+            )
+        source, _ = as_given(self.source, "auto")
+        found = self.correspondence
+        if found is None:
+            found = stages.correspondence_of(source, surface, True, progress)
+        self.transfer_ = transfer_deformation(
+            source,
+            self.poses,
+            surface,
+            found,
+            same_pose=self.same_pose,
+            same_body=self.same_body,
+            scans=self.scans,
+            align=self.align,
+            accept_unsure=self.accept_unsure,
+            progress=progress,
+        )
+        count = len(self.transfer_)
+        if not -count <= self.frame < count:
+            raise ParameterError(f"frame must be from {-count} to {count - 1}, got {self.frame!r}")
+        return self.transfer_.positions[self.frame]
+
+
+@registered
+class Interpolate(MovingFilter):
+    """Moves the mesh a part of the way to another pose, as rigid as possible; see `interpolate`.
+
+    Parameters
+    ----------
+    target : mesh of any kind, or path
+        The other pose, in any triangulation.
+    t : float
+        0: where the mesh is, 1: where the target is.
+    correspondence : MatchResult, BarycentricMap or array-like of int, optional
+        As in `interpolate`; by default a mesh of the same triangles corresponds vertex by vertex, and any other is
+        matched, together with the `Correspondence` filter only once.
+    accept_unsure : bool
+        Whether a match that is not sure is used all the same, with a warning.
+    """
+
+    animation_: Animation
+    """The frame of the last call, with notes."""
+
+    @classmethod
+    def example(cls, surface: Surface) -> Filter:
+        """Towards itself, stretched."""
+        return cls(target=surface.with_vertices(surface.vertices * [1.0, 1.0, 1.2]))
+
+    def __init__(
+        self, *, target: Any = None, t: float = 0.5, correspondence: Any = None, accept_unsure: bool = False
+    ) -> None:
+        self.target = target
+        self.t = t
+        self.correspondence = correspondence
+        self.accept_unsure = accept_unsure
+
+    def moved(self, surface: Surface, progress: bool) -> np.ndarray:
+        """Positions at t."""
+        if self.target is None:
+            raise ParameterError("Interpolate needs the other pose: Interpolate(target=mesh, t=0.5)")
+        target, _ = as_given(self.target, "auto")
+        found = self.correspondence
+        if found is None and not same_triangles(surface, target):
+            found = stages.correspondence_of(surface, target, True, progress)
+        self.animation_ = interpolate(surface, target, self.t, found, accept_unsure=self.accept_unsure)
+        return self.animation_.positions[0]
