@@ -1,0 +1,65 @@
+"""Filters that move a mesh of any host."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from shapes import arched, creature
+
+import qgeo_filters as qg
+from qgeo_filters.hosts.protocol import load_host
+
+X = qg.Surface(*creature(1.0, 2), {"height": creature(1.0, 2)[0][:, 2]})
+POSE = arched(X.vertices, 0.5)
+SAME = np.arange(X.n_vertices)
+
+
+@pytest.mark.parametrize("host", ["open3d", "pymeshlab", "pyvista", "trimesh"])
+def test_a_mesh_of_any_library_comes_back_in_the_pose_with_its_attributes(host: str) -> None:
+    pytest.importorskip(host)
+    mesh = load_host(host).make(X)  # type: ignore[attr-defined]
+    before = qg.as_surface(mesh).vertices.copy()
+    transfer = qg.DeformationTransfer(source=X, poses=[X.vertices, POSE], correspondence=SAME, align=False)
+    half = qg.Interpolate(target=X.with_vertices(POSE), t=1.0)
+    for step in (transfer, half):
+        moved = step(mesh)
+        assert type(moved) is type(mesh)
+        found = qg.as_surface(moved)
+        np.testing.assert_allclose(found.vertices, POSE, atol=1e-4)
+        np.testing.assert_allclose(found.attributes["qgeo_displacement"], POSE - X.vertices, atol=1e-4)
+        np.testing.assert_allclose(found.attributes["height"], X.attributes["height"], atol=1e-5)
+        assert np.array_equal(qg.as_surface(mesh).vertices, before)
+    assert len(transfer.transfer_) == 2
+
+
+def test_steps_after_it_see_the_mesh_where_it_is() -> None:
+    done = (qg.Interpolate(target=X.with_vertices(2 * X.vertices), t=1.0) | qg.QuasiGeodesicDistances(sources=[0]))(X)
+    alone = qg.QuasiGeodesicDistances(sources=[0])(X)
+    np.testing.assert_allclose(
+        done.attributes["qgeo_distance"], 2 * alone.attributes["qgeo_distance"], rtol=1e-3, atol=1e-3
+    )
+
+
+def test_any_frame_can_be_asked_for() -> None:
+    poses = [X.vertices, POSE]
+    for frame, expected in ((0, X.vertices), (1, POSE), (-1, POSE), (-2, X.vertices)):
+        step = qg.DeformationTransfer(source=X, poses=poses, correspondence=SAME, align=False, frame=frame)
+        np.testing.assert_allclose(step(X).vertices, expected, atol=1e-8)
+    with pytest.raises(qg.ParameterError, match="frame must be from -2 to 1, got 2"):
+        qg.DeformationTransfer(source=X, poses=poses, correspondence=SAME, frame=2)(X)
+
+
+@pytest.mark.parametrize(
+    ("step", "said"),
+    [(qg.DeformationTransfer(), "needs the source and its poses"), (qg.Interpolate(), "needs the other pose")],
+)
+def test_what_is_missing_is_said(step: qg.Filter, said: str) -> None:
+    with pytest.raises(qg.ParameterError, match=said):
+        step(X)
+
+
+def test_a_mesh_that_no_surface_can_hold_is_moved_all_the_same() -> None:
+    mesh = np.vstack([X.vertices, [[9.0, 9, 9]]]), np.vstack([X.faces, [[0, 1, 9999]]])
+    moved = qg.Interpolate(target=X.with_vertices(POSE), t=1.0)(mesh)
+    np.testing.assert_allclose(moved.vertices[:-1], POSE, atol=1e-6)
+    assert moved.vertices[-1].tolist() == [9, 9, 9]  # what is gone in the repair stays where it was
