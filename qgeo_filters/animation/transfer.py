@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -131,20 +131,19 @@ def transfer_deformation(
     >>> transfer[0].write("camel-01.ply")
     """
     with default_workers(workers), single_threaded_blas:
-        plan = _Plan.of(x_reference, y_reference, correspondence, same_pose, same_body, align, accept_unsure)
-        poses = _poses(plan.x, x_poses, scans)
-        followed = list(tqdm(poses, desc="poses", disable=not progress))
-        moved = [plan.moved(pose) for pose in followed]
+        plan = PoseTransfer.of(
+            x_reference,
+            y_reference,
+            correspondence,
+            same_pose=same_pose,
+            same_body=same_body,
+            align=align,
+            accept_unsure=accept_unsure,
+        )
+        poses = list(tqdm(_poses(plan.x, x_poses, scans), desc="poses", disable=not progress))
+        moved = [plan.moved(pose) for pose in poses]
     warned(plan.doubts)
-    return Transfer(
-        surface=plan.y,
-        positions=np.stack(moved),
-        notes=(*plan.notes, *plan.doubts),
-        source=Animation(plan.aligned_x, np.stack([plan.frame(pose) for pose in followed])),
-        correspondence=plan.places.match,
-        place=plan.places.on_x,
-        apart=plan.apart,
-    )
+    return plan.result([plan.frame(pose) for pose in poses], moved)
 
 
 def transferred_poses(
@@ -163,7 +162,15 @@ def transferred_poses(
 
     Parameters and errors are those of `transfer_deformation`. Nothing is computed before the first is asked for.
     """
-    plan = _Plan.of(x_reference, y_reference, correspondence, same_pose, same_body, align, accept_unsure)
+    plan = PoseTransfer.of(
+        x_reference,
+        y_reference,
+        correspondence,
+        same_pose=same_pose,
+        same_body=same_body,
+        align=align,
+        accept_unsure=accept_unsure,
+    )
     warned(plan.doubts)
     for pose in _poses(plan.x, x_poses, scans):
         yield plan.moved(pose)
@@ -208,8 +215,8 @@ def transfer_pose(
 
 
 @dataclass(frozen=True, eq=False)
-class _Plan:
-    """What is the same for all poses."""
+class PoseTransfer:
+    """What is the same for all poses: made once, then `moved` for each, and `result` of all."""
 
     x: Surface
     y: Surface
@@ -227,11 +234,13 @@ class _Plan:
         x_reference: SurfaceLike,
         y_reference: SurfaceLike,
         correspondence: MapLike | None,
+        *,
         same_pose: bool,
         same_body: bool,
         align: bool,
         accept_unsure: bool,
-    ) -> _Plan:
+    ) -> PoseTransfer:
+        """From the arguments of `transfer_deformation`."""
         x, left_x = as_given(x_reference, "auto")
         y, left_y = as_given(y_reference, "auto")
         places = places_on(x, y, correspondence, accept_unsure)
@@ -265,6 +274,18 @@ class _Plan:
     def moved(self, pose: FloatArray) -> FloatArray:
         """Positions of Y in a pose of X."""
         return self.transfer(self.frame(pose))
+
+    def result(self, followed: Sequence[FloatArray], moved: Sequence[FloatArray]) -> Transfer:
+        """All of it, from the poses of X in the frame of Y, and those of Y."""
+        return Transfer(
+            surface=self.y,
+            positions=np.stack(moved),
+            notes=(*self.notes, *self.doubts),
+            source=Animation(self.aligned_x, np.stack(followed)),
+            correspondence=self.places.match,
+            place=self.places.on_x,
+            apart=self.apart,
+        )
 
 
 def _poses(x: Surface, poses: Any, scans: bool) -> Iterator[FloatArray]:

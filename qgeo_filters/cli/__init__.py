@@ -14,11 +14,13 @@ from qgeo_filters.cli.errors import OneLineErrors, OneLineWarnings
 from qgeo_filters.cli.evaluate import evaluate
 from qgeo_filters.cli.fetch import fetch
 from qgeo_filters.cli.geodesics import distances, path
+from qgeo_filters.cli.interpolate import interpolate
 from qgeo_filters.cli.match import match
 from qgeo_filters.cli.mesh import info
 from qgeo_filters.cli.pipeline import run
 from qgeo_filters.cli.spectral import spectrum
 from qgeo_filters.cli.symmetry import symmetry
+from qgeo_filters.cli.transfer import transfer
 from qgeo_filters.cli.warmup import warmup
 
 app = typer.Typer(
@@ -52,7 +54,10 @@ def qgeo(
         typer.echo(context.get_help())
 
 
-for command in (demo, info, distances, spectrum, symmetry, match, compatibility, evaluate, fetch, path, run, warmup):
+for command in (
+    demo, info, distances, spectrum, symmetry, match, compatibility, transfer, interpolate, evaluate, fetch, path, run,
+    warmup,
+):  # fmt: skip
     app.command(cls=OneLineWarnings)(command)
 
 

@@ -54,6 +54,8 @@ _READERS: dict[str, Reader] = {
     ".vtu": grids.read_vtk,
     ".msh": grids.read_gmsh,
 }
+#: Of files that are read. Of a TOSCA pair the one with the vertices stands for both.
+SUFFIXES = frozenset(_READERS) - {".tri"}
 _WRITERS: dict[str, Writer] = {
     ".off": off.write,
     ".obj": obj.write,

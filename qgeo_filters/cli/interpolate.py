@@ -1,0 +1,69 @@
+"""``qgeo interpolate``: the way from one pose of a shape to another, and through several."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from qgeo_filters.cli.animations import Animate, Seconds, Unsure
+from qgeo_filters.cli.options import Force, Json, Output, Pictures, Quiet, Repair, Settings, Workers, repair_option
+
+
+def interpolate(
+    x: Annotated[Path, typer.Argument(metavar="X", help="Where the way begins.", show_default=False)],
+    poses: Annotated[
+        list[Path], typer.Argument(metavar="Y...", help="Where it goes, files or folders.", show_default=False)
+    ],
+    frames: Annotated[int, typer.Option("--frames", min=2, help="Number of frames, both ends included.")] = 25,
+    unsure: Unsure = False,
+    animate: Animate = None,
+    seconds: Seconds = None,
+    workers: Workers = None,
+    output: Output = None,
+    repair: Repair = None,
+    force: Force = False,
+    pictures: Pictures = True,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Go from X to Y, or on through several poses, as rigid as possible at every moment.
+
+    A pose with the triangles of X corresponds vertex by vertex; any other is matched, with no initial map.
+
+    result.npz: positions (k, n_X, 3), times (k,): 0 is X, 1 the first Y. animation.glb: the shape, playing.
+    """
+    import numpy as np
+
+    from qgeo_filters.animation.interpolate import interpolate as interpolated
+    from qgeo_filters.animation.poses import same_triangles
+    from qgeo_filters.cli import animations
+    from qgeo_filters.cli.job import Job, as_title
+    from qgeo_filters.filters import stages
+
+    mend = repair_option(repair, force)
+    files = [file for path in poses for file in animations.mesh_files(path)]
+    names = animations.animation_names(animate)
+    parameters = {"frames": frames, "accept_unsure": unsure, "seconds": seconds, "repair": mend}
+    called = ("X", *(f"pose {number}" for number in range(len(files))))
+    settings = Settings(output, quiet, json, mend, pictures)
+    job = Job(
+        "interpolate", settings, parameters, [x, *files], names=called, pictures=("film_strip",), texts=tuple(names)
+    )
+    start, *ends = job.read_given()
+    maps = []
+    for end in ends:
+        with job.stage("correspondence"):
+            found = None
+            if not same_triangles(start, end):
+                found = stages.correspondence_of(start, end, True, job.progress, repair_x=mend, repair_y=mend)
+            maps.append(found)
+    with job.stage("frames"):
+        times = np.linspace(0, len(ends), frames)
+        given = maps if len(maps) > 1 else maps[0]
+        result = interpolated(start, ends, times, given, accept_unsure=unsure, progress=job.progress)
+    job.save(animations.numbers(result), {"positions": result.positions, "times": result.times}, start, *ends)
+    shown = (as_title(job.names[0]), as_title(job.names[0]))
+    animations.save_animation(job, result, names, seconds, shown, "Some of the frames, with their times.")
+    job.finish()

@@ -1,0 +1,120 @@
+"""``qgeo transfer``: the poses of one shape on another, with no markers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from qgeo_filters.cli.animations import Animate, Seconds, Unsure
+from qgeo_filters.cli.options import Force, Json, Output, Pictures, Quiet, Repair, Settings, Workers, repair_option
+from qgeo_filters.errors import ParameterError
+
+
+def transfer(
+    reference: Annotated[
+        Path, typer.Argument(metavar="X", help="X at rest; of a folder the first mesh.", show_default=False)
+    ],
+    onto: Annotated[
+        Path, typer.Option("--onto", metavar="Y", help="Y at rest; of a folder the first mesh.", show_default=False)
+    ],
+    poses: Annotated[
+        list[Path] | None,
+        typer.Argument(metavar="POSE...", help="Poses of X, files or folders; of a folder X its other meshes."),
+    ] = None,
+    scans: Annotated[
+        bool, typer.Option("--scans", help="Poses in any triangulation: each is matched with X at rest first.")
+    ] = False,
+    same_pose: Annotated[
+        bool,
+        typer.Option("--same-pose/--other-pose", help="Whether X and Y at rest stand alike, or Y is to stand as X."),
+    ] = True,
+    same_body: Annotated[
+        bool, typer.Option("--same-body", help="With --other-pose: X and Y are one body, of one shape.")
+    ] = False,
+    align: Annotated[
+        bool,
+        typer.Option("--align/--no-align", help="Fit turn, size and position of X to Y, or leave them."),
+    ] = True,
+    unsure: Unsure = False,
+    animate: Animate = None,
+    seconds: Seconds = None,
+    workers: Workers = None,
+    output: Output = None,
+    repair: Repair = None,
+    force: Force = False,
+    pictures: Pictures = True,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Move Y as X is moved: deformation transfer along a correspondence that is found, not given.
+
+    Y_POSE.ply: Y in each pose, written as it is finished. result.npz: positions (k, n_Y, 3), and corners (n_Y, 3) and
+    coordinates (n_Y, 3), the point of X for each vertex of Y. animation.glb: both shapes, playing.
+    """
+    import numpy as np
+
+    from qgeo_filters.animation.poses import given_poses, scanned_poses
+    from qgeo_filters.animation.sequence import Animation
+    from qgeo_filters.animation.transfer import PoseTransfer
+    from qgeo_filters.cli import animations
+    from qgeo_filters.cli.job import Job, as_title, numbered
+    from qgeo_filters.filters import stages
+
+    mend = repair_option(repair, force)
+    first, *others = animations.mesh_files(reference)
+    files = [file for path in poses or () for file in animations.mesh_files(path)] or others
+    if not files:
+        raise ParameterError("no poses: name their files, a folder of them, or as X a folder that holds them too")
+    names = animations.animation_names(animate)
+    y_file = animations.mesh_files(onto)[0]
+    frames = [f"{name}.ply" for name in numbered([f"{y_file.stem}_{file.stem}" for file in files])]
+    parameters = {
+        "poses": [str(file) for file in files],
+        "scans": scans,
+        "same_pose": same_pose,
+        "same_body": same_body,
+        "align": align,
+        "accept_unsure": unsure,
+        "seconds": seconds,
+        "repair": mend,
+    }
+    settings = Settings(output, quiet, json, mend, pictures)
+    job = Job(
+        "transfer",
+        settings,
+        parameters,
+        [first, y_file],
+        names=("X", "Y"),
+        inputs=files,
+        pictures=("film_strip",),
+        texts=(*names, *frames),
+    )
+    x, y = job.read_given()
+    with job.stage("correspondence"):
+        found = stages.correspondence_of(x, y, True, job.progress, repair_x=mend, repair_y=mend)
+    for index, name in enumerate(("X: ", "Y: ")):
+        job.repaired(index, [line.removeprefix(name) for line in found.repairs if line.startswith(name)])
+    with job.stage("prepare"):
+        plan = PoseTransfer.of(x, y, found, same_pose=same_pose, same_body=same_body, align=align, accept_unsure=unsure)
+    followed, moved = [], []
+    with job.stage("poses"):
+        for pose, name in zip((scanned_poses if scans else given_poses)(x, files), frames, strict=True):
+            followed.append(plan.frame(pose))
+            moved.append(plan.moved(pose))
+            with job.file(name) as temporary:
+                y.with_vertices(moved[-1]).write(temporary)
+    result = plan.result(followed, moved)
+    arrays = {
+        "positions": result.positions,
+        "corners": plan.places.on_x.corners,
+        "coordinates": plan.places.on_x.coordinates,
+    }
+    of_x = animations.numbers(Animation(plan.aligned_x, np.stack(followed)))
+    numbers = {"apart": result.apart, "mean_edge_change_of_x": of_x["mean_edge_change"], **animations.numbers(result)}
+    job.save({**numbers, "confident": found.confident, "score": found.score}, arrays, x, y)
+    called = (as_title(job.names[0]), as_title(job.names[1]))
+    caption = "Some of the poses of X, and Y moved as they are; what belongs together has one colour."
+    animations.save_animation(job, result, names, seconds, called, caption)
+    job.finish()
