@@ -45,10 +45,14 @@ def mesh_files(path: Path) -> list[Path]:
     ------
     MeshError
         A folder without any.
+    FileNotFoundError
+        No such file: said before anything is computed.
     """
     from qgeo_filters.io.formats import SUFFIXES
 
     if not path.is_dir():
+        if not (path.exists() or path.with_name(f"{path.name}.vert").exists()):
+            raise FileNotFoundError(f"no such file: {path}")
         return [path]
     found = [file for file in path.iterdir() if file.suffix.lower() in SUFFIXES and file.is_file()]
     if not found:

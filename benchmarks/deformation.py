@@ -1,0 +1,248 @@
+"""Deformation transfer and interpolation against truth, and how many frames a second they make, as Markdown tables.
+
+    python benchmarks/deformation.py DATA [--only horse tosca people animals interpolation speed]
+
+DATA holds ``deformation_transfer``, ``tosca`` and ``harder``. Errors are mean distances between vertices over
+sqrt(area); "bound" is the same transfer along the true map. Where frames differ, both are brought together by a rigid
+motion first (people, TOSCA). PMD is the mean squared distance at unit height, times 1000. Folded edges are those across
+which two triangles lie on each other that do not at rest, of all frames. Maps are found by `match`, from nothing.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+
+import igl
+import numpy as np
+from geodesics_common import machine
+
+import qgeo_filters as qg
+from qgeo_filters.animation.measures import edge_changes, folded_edges
+from qgeo_filters.animation.transfer import PoseTransfer
+from qgeo_filters.closest_points import closest_points
+from qgeo_filters.decimation import decimated
+from qgeo_filters.deformation.interpolation import InterpolationPath
+from qgeo_filters.deformation.similarity import Similarity
+from qgeo_filters.evaluation import ToscaRemeshed
+
+ANIMALS = ("horse", "cat", "lion")
+# X in its reference, the pose of it that is to be taken over, Y: three poses of one body.
+TOSCA = [
+    ("cat0", "cat1", "cat2"), ("centaur0", "centaur1", "centaur2"), ("dog0", "dog1", "dog2"),
+    ("horse0", "horse10", "horse5"), ("michael0", "michael3", "michael7"), ("victoria0", "victoria1", "victoria10"),
+    ("wolf0", "wolf1", "wolf2"),
+]  # fmt: skip
+# Set, the individual whose pose is taken over, the one that takes it, and that one in this pose: the truth.
+PEOPLE = [
+    ("kids_r", "0002.null.0", "0001.isometry.1", "0001.null.0"),
+    ("kids_r", "0002.null.0", "0001.isometry.7", "0001.null.0"),
+    ("kids_r", "0001.null.0", "0002.isometry.5", "0002.null.0"),
+    ("faust_r", "tr_reg_051", "tr_reg_000", "tr_reg_001"),
+]
+
+
+def sequence(data: Path, animal: str) -> tuple[qg.Surface, list[np.ndarray]]:
+    """An animal at rest, and its poses."""
+    folder = data / "deformation_transfer"
+    poses = sorted((folder / f"{animal}-poses").glob("*.obj"), key=lambda file: int(file.stem))
+    return qg.Surface.read(folder / f"{animal}-poses.obj"), [qg.Surface.read(pose).vertices for pose in poses]
+
+
+def shuffled(surface: qg.Surface) -> qg.Surface:
+    """The same surface with its vertices in random order."""
+    order = np.random.default_rng(0).permutation(surface.n_vertices)
+    return qg.Surface(surface.vertices[order], np.argsort(order)[surface.faces])
+
+
+def error(found: np.ndarray, truth: np.ndarray, area: float) -> float:
+    """Mean distance over sqrt(area)."""
+    return float(np.linalg.norm(found - truth, axis=1).mean() / np.sqrt(area))
+
+
+def rigidly(found: np.ndarray, truth: np.ndarray) -> np.ndarray:
+    """The positions found, brought to the truth by a rigid motion."""
+    return Similarity.between(found, truth, np.ones(len(truth)), 1.0)(found)
+
+
+def horse(data: Path) -> None:
+    """Poses of the horse on the horse in other triangles."""
+    x, poses = sequence(data, "horse")
+    print("### The horse onto itself, remeshed and shuffled: all poses\n")
+    print("| vertices of Y | map error | by the map alone | transfer | bound: true map | ratio | worst pose |")
+    print("| ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
+    for count in (5000, 2500):
+        y = shuffled(decimated(x, count).surface)
+        true = closest_points(y.vertices, x)
+        found = qg.match(x, y)
+        auto = found.inverse_barycentric
+        rows = []
+        for place in (true, found):
+            moved = qg.transfer_deformation(x, poses, y, place).positions
+            rows.append([error(p, true.pulled_back(pose), y.area) for p, pose in zip(moved, poses, strict=True)])
+        plain = [error(auto.pulled_back(pose), true.pulled_back(pose), y.area) for pose in poses]
+        of_map = error(auto.pulled_back(x.vertices), true.pulled_back(x.vertices), y.area)
+        bound, ours = np.mean(rows, axis=1)
+        cells = [f"{v:.5f}" for v in (of_map, np.mean(plain), ours, bound)]
+        print(f"| {count} | {' | '.join(cells)} | {ours / bound:.2f} | {np.max(rows[1]):.5f} |", flush=True)
+
+
+def tosca(data: Path) -> None:
+    """A third pose of a body is brought into a pose that is there as another mesh, by way of a reference."""
+    read = ToscaRemeshed(data / "tosca")
+    print("\n### TOSCA: Y, in a third pose, takes the pose of a scan by way of X; three triangulations\n")
+    print("| X | scan | Y | apart at rest | vertices at hand | error |")
+    print("| --- | --- | --- | ---: | ---: | ---: |")
+    for x, scan, y in TOSCA:
+        reference, pose, body = (read.read(name) for name in (x, scan, y))
+        result = qg.transfer_deformation(
+            reference, [pose], body, scans=True, same_pose=False, same_body=True, accept_unsure=True
+        )
+        truth = read.truth(y, scan)
+        places = pose.vertices[truth.images]
+        # How far the vertices at hand are from the true places: those of another triangulation.
+        spacing = float(np.median(pose.edge_lengths) / 2 / np.sqrt(pose.area))
+        found = error(rigidly(result.positions[0][truth.points], places), places, pose.area)
+        print(f"| {x} | {scan} | {y} | {result.apart:.3f} | {spacing:.4f} | {found:.4f} |", flush=True)
+
+
+def people(data: Path) -> None:
+    """One individual in the pose of another."""
+    print("\n### Another person's pose, no reference: `transfer_pose`\n")
+    print("| pose of | taken by | error | PMD x 1000 | X itself, grown to the size of Y | its PMD | edges changed, % |")
+    print("| --- | --- | ---: | ---: | ---: | ---: | ---: |")
+    for folder, x, y, target in PEOPLE:
+        root = data / "harder" / folder
+        pose, body, truth = (qg.as_surface(str(root / f"{name}.off")) for name in (x, y, target))
+        vertices = [np.loadtxt(root / "corres" / f"{name}.vts", dtype=int) - 1 for name in (y, target)]
+        known = (vertices[0] >= 0) & (vertices[1] >= 0)
+        points, places = vertices[0][known], truth.vertices[vertices[1][known]]
+        found = qg.match(pose, body)
+        moved = qg.transfer_pose(pose, body, found, accept_unsure=True)
+        grown = found.inverse_barycentric.pulled_back(pose.vertices) * np.sqrt(body.area / pose.area)
+        changed = edge_changes(qg.Animation(body, moved.vertices[None]))[0]
+        cells = []
+        for positions in (moved.vertices, grown):
+            near = rigidly(positions[points], places)
+            height = float(np.ptp(places, axis=0).max())
+            cells += [error(near, places, truth.area), 1000 * ((near - places) ** 2).sum(axis=1).mean() / height**2]
+        row = f"{cells[0]:.4f} | {cells[1]:.2f} | {cells[2]:.4f} | {cells[3]:.2f} | {100 * changed:.1f}"
+        print(f"| {x} | {y} | {row} |", flush=True)
+
+
+def animals(data: Path) -> None:
+    """The poses of each animal on the others."""
+    print("\n### Horse, cat and lion onto each other\n")
+    print("| X | Y | sure | poses | edges changed on X, % | on Y, % | folded edges on X | on Y |")
+    print("| --- | --- | --- | ---: | ---: | ---: | ---: | ---: |")
+    for a in ANIMALS:
+        x, poses = sequence(data, a)
+        for b in ANIMALS:
+            if a == b:
+                continue
+            y, _ = sequence(data, b)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)  # the column "sure" says it
+                result = qg.transfer_deformation(x, poses, y, accept_unsure=True)
+            assert result.source is not None
+            assert result.correspondence is not None
+            both = result.source, result
+            changed = [f"{100 * edge_changes(film).mean():.1f}" for film in both]
+            folded = [str(sum(folded_edges(film.surface, p) for p in film.positions)) for film in both]
+            sure = "yes" if result.correspondence.confident else "no"
+            print(f"| {a} | {b} | {sure} | {len(poses)} | {' | '.join(changed + folded)} |", flush=True)
+
+
+def volume(surface: qg.Surface, positions: np.ndarray) -> float:
+    """Volume within, with its sign."""
+    a, b, c = (positions[surface.faces[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
+
+
+def conformal(surface: qg.Surface, positions: np.ndarray) -> float:
+    """Mean by area of s/t + t/s - 2 of the singular values s and t of each triangle's map from rest."""
+    sides = [positions[surface.faces[:, k]] - positions[surface.faces[:, 0]] for k in (1, 2)]
+    rest = [surface.vertices[surface.faces[:, k]] - surface.vertices[surface.faces[:, 0]] for k in (1, 2)]
+    grams = [np.stack([[np.einsum("ij,ij->i", p, q) for q in e] for p in e]).transpose(2, 0, 1) for e in (rest, sides)]
+    good = surface.face_areas > 1e-9 * surface.area / surface.n_faces
+    metric = np.linalg.solve(grams[0][good], grams[1][good])
+    root = np.sqrt(np.maximum(np.linalg.det(metric), 1e-30))
+    return float(np.average(np.trace(metric, axis1=1, axis2=2) / root - 2, weights=surface.face_areas[good]))
+
+
+def ways(start: qg.Surface, end: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+    """The shape half way, by each method."""
+    yield "ours", InterpolationPath(start, end)(0.5)
+    yield "straight lines", 0.5 * (start.vertices + end)
+    # libigl's ARAP has handles that are moved: every twentieth vertex, half way on straight lines.
+    handles = np.arange(0, start.n_vertices, 20)
+    solver = igl.ARAPData()
+    igl.arap_precomputation(start.vertices, start.faces.astype(np.int64), 3, handles, solver)
+    yield "libigl ARAP", igl.arap_solve(0.5 * (start.vertices + end)[handles], solver, start.vertices)
+
+
+def interpolation(data: Path) -> None:
+    """Half way between poses."""
+    print("\n### Half way between two poses\n")
+    print(
+        "Differences of the lengths of edges and of the volume from the mean of both ends, %; conformal distortion.\n"
+    )
+    print("| poses | method | edges, mean | edges, 99 % below | volume | conformal |")
+    print("| --- | --- | ---: | ---: | ---: | ---: |")
+    for animal, i, j in (("horse", 0, 5), ("cat", 0, 6), ("cat", 3, 8), ("lion", 1, 5)):
+        rest, poses = sequence(data, animal)
+        start, end = rest.with_vertices(poses[i]), poses[j]
+        middle = 0.5 * (start.edge_lengths + rest.with_vertices(end).edge_lengths)
+        size = 0.5 * (volume(rest, poses[i]) + volume(rest, end))
+        kept = middle > 0
+        for name, found in ways(start, end):
+            changed = 100 * np.abs(start.with_vertices(found).edge_lengths[kept] / middle[kept] - 1)
+            grown = 100 * (volume(rest, found) / size - 1)
+            row = f"{changed.mean():.2f} | {np.quantile(changed, 0.99):.1f} | {grown:+.1f}"
+            print(f"| {animal} {i + 1}-{j + 1} | {name} | {row} | {conformal(start, found):.3f} |", flush=True)
+
+
+def speed(data: Path) -> None:
+    """Frames a second after the first."""
+    print("\n### Frames a second, after the preparation\n")
+    print("| vertices of Y | prepared in, s | transfer, frames/s | interpolation, frames/s |")
+    print("| ---: | ---: | ---: | ---: |")
+    x, poses = sequence(data, "horse")
+    fine = qg.Surface(*igl.upsample(x.vertices, x.faces.astype(np.int64), 1))
+    larger = qg.Surface(*igl.upsample(fine.vertices, fine.faces.astype(np.int64), 1))
+    for y in (x, decimated(fine, 10_000).surface, decimated(larger, 50_000).surface):
+        place = closest_points(y.vertices, x)
+        begin = time.perf_counter()
+        plan = PoseTransfer.of(x, y, place, same_pose=True, same_body=False, align=True, accept_unsure=False)
+        prepared = time.perf_counter() - begin
+        plan.moved(poses[0])
+        begin = time.perf_counter()
+        moved = [plan.moved(pose) for pose in poses]
+        rate = len(poses) / (time.perf_counter() - begin)
+        way = InterpolationPath(y, moved[3])
+        way(0.5)
+        begin = time.perf_counter()
+        for t in (0.2, 0.4, 0.6, 0.8):
+            way(t)
+        print(f"| {y.n_vertices} | {prepared:.1f} | {rate:.1f} | {4 / (time.perf_counter() - begin):.1f} |", flush=True)
+
+
+PARTS = {part.__name__: part for part in (horse, tosca, people, animals, interpolation, speed)}
+
+
+def main() -> None:
+    """Print the tables, each row as it is done."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("data", type=Path)
+    parser.add_argument("--only", nargs="+", choices=PARTS, default=list(PARTS))
+    arguments = parser.parse_args()
+    print(f"{machine()}\n")
+    for name in arguments.only:
+        PARTS[name](arguments.data)
+
+
+if __name__ == "__main__":
+    main()

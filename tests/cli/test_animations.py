@@ -1,0 +1,94 @@
+"""``qgeo transfer`` and ``qgeo interpolate``: what the functions say, in files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from shapes import arched, creature
+from typer.testing import Result
+
+import qgeo_filters as qg
+from qgeo_filters.filters import stages
+
+Qgeo = Callable[..., Result]
+Loaded = Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]
+
+X = qg.Surface(*creature(1.0, 2))
+
+
+@pytest.fixture
+def folder(meshes: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder ``walk`` with the creature at rest and two poses, and a match of it with itself that is known."""
+    (meshes / "walk").mkdir()
+    X.write(meshes / "walk" / "0.ply")
+    for number, curvature in ((2, 0.2), (10, 0.5)):
+        X.with_vertices(arched(X.vertices, curvature)).write(meshes / "walk" / f"{number}.ply")
+    X.write(meshes / "other.ply")
+    return meshes
+
+
+def test_a_folder_of_poses_becomes_poses_of_the_other(qgeo: Qgeo, loaded: Loaded, folder: Path) -> None:
+    result = qgeo("transfer", "walk", "--onto", "other.ply", "--no-align", "--animate", "walk.glb")
+    assert result.exit_code == 0, result.stderr
+    content, arrays = loaded(Path("qgeo-out/transfer"))
+    files = {"other_2.ply", "other_10.ply", "walk.glb", "film_strip.png", "0.ply", "other.ply"}
+    assert files <= set(content["files"])
+    assert arrays["positions"].shape == (2, X.n_vertices, 3)
+    for frame, curvature in enumerate((0.2, 0.5)):  # 2 comes before 10
+        gaps = np.linalg.norm(arrays["positions"][frame] - arched(X.vertices, curvature), axis=1)
+        assert gaps.mean() < 0.01 * np.sqrt(X.area)
+    np.testing.assert_allclose(
+        qg.Surface.read("qgeo-out/transfer/other_10.ply").vertices, arrays["positions"][1], atol=1e-5
+    )
+    assert content["results"]["frames"] == 2
+    assert content["results"]["confident"] is True
+    assert content["results"]["mean_edge_change"] == pytest.approx(
+        content["results"]["mean_edge_change_of_x"], abs=0.02
+    )
+
+
+def test_finished_poses_are_kept_where_one_cannot_be_read(qgeo: Qgeo, folder: Path) -> None:
+    (folder / "walk" / "11.ply").write_text("no mesh")
+    result = qgeo("transfer", "walk", "--onto", "other.ply", "--no-pictures")
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert "pose 2" in result.stderr
+    assert "11.ply" in result.stderr
+    assert Path("qgeo-out/transfer/other_2.ply").is_file()
+    assert Path("qgeo-out/transfer/other_10.ply").is_file()
+
+
+def test_the_way_through_poses(qgeo: Qgeo, loaded: Loaded, folder: Path) -> None:
+    result = qgeo("interpolate", "walk/0.ply", "walk/2.ply", "walk/10.ply", "--frames", 5)
+    assert result.exit_code == 0, result.stderr
+    content, arrays = loaded(Path("qgeo-out/interpolate"))
+    assert arrays["times"].tolist() == [0, 0.5, 1, 1.5, 2]
+    expected = qg.interpolate(X, [X.with_vertices(arched(X.vertices, c)) for c in (0.2, 0.5)], arrays["times"])
+    np.testing.assert_allclose(arrays["positions"], expected.positions, atol=1e-4)
+    assert {"animation.glb", "film_strip.png"} <= set(content["files"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("transfer", "walk/0.ply", "--onto", "other.ply"), "no poses"),
+        (("transfer", "walk", "--onto", "other.ply", "--animate", "a.avi"), ".glb, .gif, .mp4 or .npz"),
+        (("transfer", "walk", "--onto", "other.ply", "--animate", "a/b.glb"), "-o says in which folder"),
+        (("transfer", "walk", "--onto", "walk-empty"), "a folder without mesh files"),
+        (("transfer", "walk", "missing.ply", "--onto", "other.ply"), "missing.ply"),
+        (("interpolate", "walk/0.ply", "missing.ply"), "missing.ply"),
+        (("interpolate", "walk/0.ply", "walk/2.ply", "--frames", "1"), "frames"),
+    ],
+)
+def test_bad_input(
+    qgeo: Qgeo, folder: Path, arguments: tuple[str, ...], said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "walk-empty").mkdir()
+    monkeypatch.setattr(stages, "correspondence_of", lambda *args, **options: pytest.fail("searched before that"))
+    result = qgeo(*arguments)
+    assert result.exit_code == 2, result.stderr
+    assert said in result.stderr
+    assert "Traceback" not in result.stderr
