@@ -135,10 +135,10 @@ def limbed(directions: tuple[tuple[float, ...], ...], lengths: tuple[float, ...]
     return vertices * radius[:, None], faces
 
 
-def crooked(seed: int) -> Mesh:
+def crooked(seed: int, level: int = 3) -> Mesh:
     """A body with five unequal limbs in random directions: no left and right."""
     directions = np.random.default_rng(seed).normal(size=(5, 3))
-    return limbed(tuple(map(tuple, directions.tolist())), (1.3, 1.0, 0.8, 0.6, 0.5))
+    return limbed(tuple(map(tuple, directions.tolist())), (1.3, 1.0, 0.8, 0.6, 0.5), level)
 
 
 def reflected(mesh: Mesh) -> Mesh:
