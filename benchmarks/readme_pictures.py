@@ -2,7 +2,7 @@
 
     python benchmarks/readme_pictures.py [FOLDER]
 
-writes eigenfunctions.png, symmetry.png, matrix.png, match.png and path.png, by default into docs/images. The second
+writes eigenfunctions.png, symmetry.png, matrix.png, match.png, path.png and transfer.png, by default into docs/images. The second
 cow is the first one with its head turned and a foreleg raised by Open3D's as-rigid-as-possible deformation,
 then triangulated anew, so that its vertices have nothing to do with the first one's.
 """
@@ -23,6 +23,7 @@ from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.report import figures
+from qgeo_filters.report.film import plot_film_strip
 from qgeo_filters.surface import Surface
 
 LARGEST = 150_000  # bytes of a picture
@@ -31,9 +32,8 @@ REMESHED_EDGE = 1.6  # per cent of the diagonal of the bounding box
 
 
 def posed_cow(surface: Surface) -> Surface:
-    """The cow with its head turned to a side and lowered, and one foreleg forward, on a triangulation of its own."""
+    """The cow with its head turned to a side and lowered, and one foreleg forward."""
     import open3d as o3d
-    import pymeshlab
 
     vertices = np.array(surface.vertices)
     moved = vertices.copy()
@@ -48,8 +48,15 @@ def posed_cow(surface: Surface) -> Surface:
     posed = mesh.deform_as_rigid_as_possible(
         o3d.utility.IntVector(fixed.astype(np.int32)), o3d.utility.Vector3dVector(moved[fixed]), max_iter=ROUNDS
     )
+    return surface.with_vertices(np.asarray(posed.vertices))
+
+
+def remeshed(surface: Surface) -> Surface:
+    """The surface on another triangulation, which shares no vertex with the first."""
+    import pymeshlab
+
     meshes = pymeshlab.MeshSet()
-    meshes.add_mesh(pymeshlab.Mesh(np.asarray(posed.vertices), np.asarray(posed.triangles)))
+    meshes.add_mesh(pymeshlab.Mesh(np.array(surface.vertices), np.array(surface.faces)))
     meshes.meshing_isotropic_explicit_remeshing(iterations=6, targetlen=pymeshlab.PercentageValue(REMESHED_EDGE))
     return qg.repair_surface(meshes).surface
 
@@ -100,11 +107,15 @@ def main(folder: Path) -> None:
     symmetry = self_symmetry(descriptor)
     sys.stdout.write(f"symmetry: {symmetry.reason}\n")
     write(figures.plot_symmetry(surface, p2p=symmetry.nearest), folder / "symmetry.png")
-    posed = posed_cow(surface)
+    standing_posed = posed_cow(surface)
+    posed = remeshed(standing_posed)
     found = match(descriptor, posed)
     sys.stdout.write(f"match of {surface.n_vertices} to {posed.n_vertices} vertices: {found.explanation}\n")
     names = (f"{surface.n_vertices} vertices", f"posed and remeshed, {posed.n_vertices} vertices")
     write(figures.plot_correspondence(surface, posed, found.p2p, names=names), folder / "match.png")
+    walk = qg.interpolate(surface, standing_posed, np.linspace(0, 1, 5))
+    moved = qg.transfer_deformation(surface, walk.positions, remeshed(surface))
+    write(plot_film_strip(moved, 5, names=("given", "found")), folder / "transfer.png")
 
 
 if __name__ == "__main__":

@@ -77,7 +77,7 @@ def remeshed(surface: Surface, vertices: int, seed: int = 0) -> tuple[Surface, n
 
 def turned(surface: Surface, degrees: float, axis: str = "y") -> Surface:
     """The surface turned about an axis."""
-    return surface.with_vertices(Rotation.from_euler(axis, degrees, degrees=True).apply(surface.vertices))
+    return surface.with_vertices(Rotation.from_euler(axis, degrees, degrees=True).apply(surface.vertices.copy()))
 
 
 def posed_cow(cow: Surface) -> Surface:
