@@ -15,12 +15,48 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from qgeo_filters.differential.scalar import Scalar
+    from qgeo_widgets.animate_widget import AnimateWidget
     from qgeo_widgets.compare_widget import CompareWidget
     from qgeo_widgets.geodesics_widget import GeodesicsWidget
     from qgeo_widgets.matrix_widget import MatrixWidget
     from qgeo_widgets.symmetry_widget import SymmetryWidget
 
-__all__ = ["compare", "geodesics", "matrix", "symmetry"]
+__all__ = ["animate", "compare", "geodesics", "matrix", "symmetry"]
+
+
+def animate(
+    animation: Any,
+    *,
+    seconds: float | None = None,
+    attribute: str | None = None,
+    size: tuple[int, int] = (440, 400),
+) -> AnimateWidget:
+    """Widget of a shape in motion, with a slider over its time, play and pause, speed and loop.
+
+    Two shapes, X and Y of a deformation transfer, move side by side at one time and turn together. The browser plays
+    by itself, also while the kernel is busy. Between two frames all vertices go straight, as `Animation.at` has them.
+
+    Parameters
+    ----------
+    animation : Animation, Transfer, or sequence of mesh objects
+        What `qgeo_filters.interpolate`, `transfer_deformation` and the like return; or meshes with equal triangles,
+        anything that `qgeo_filters.as_surface` takes, one for each frame.
+    seconds : float, optional
+        From the first frame to the last at speed 1. By default a fifteenth of a second a frame, from 2 to 12 in all.
+    attribute : str, optional
+        Of the surface, that colours it at first; the list has all. A value belongs to a vertex and goes with it.
+    size : (int, int)
+        Width and height of each canvas in pixels.
+
+    Notes
+    -----
+    All frames are sent at once, 24 bytes for each vertex of each (position and normal in float32), at most 64 MB and
+    250 frames a shape. Where that is not enough, a mesh of fewer vertices is drawn, and after that only some frames are
+    sent, evenly chosen; the title says so. What Python has, `time` and `frame` too, stays as it is.
+    """
+    from qgeo_widgets.animate_widget import AnimateWidget
+
+    return AnimateWidget(animation, size=size, seconds=seconds, attribute=attribute)
 
 
 def compare(

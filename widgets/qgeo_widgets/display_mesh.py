@@ -25,6 +25,12 @@ SHOWN_OF_LARGER = 40_000
 class DisplayMesh:
     """What is drawn of a surface, and which of its vertices a colour is taken from and a click means.
 
+    Parameters
+    ----------
+    surface : Surface
+    most, of_larger : int
+        Vertices up to which it is drawn as it is, and those of what is drawn of a larger one.
+
     Attributes
     ----------
     surface : Surface
@@ -34,14 +40,14 @@ class DisplayMesh:
         manifold) is drawn as it is.
     """
 
-    def __init__(self, surface: Surface) -> None:
+    def __init__(self, surface: Surface, most: int = SHOWN_AS_IT_IS, of_larger: int = SHOWN_OF_LARGER) -> None:
         self.surface = surface
         self.shown = surface
         self._vertices: IndexArray | None = None
-        if surface.n_vertices > SHOWN_AS_IT_IS:
+        if surface.n_vertices > most:
             try:
-                key = content_key("display_mesh", surface.vertices, surface.faces)
-                proxy = cache.get(key, lambda: decimated(surface, SHOWN_OF_LARGER))  # once for both sides of a shape
+                key = content_key("display_mesh", surface.vertices, surface.faces, of_larger)
+                proxy = cache.get(key, lambda: decimated(surface, of_larger))  # once for both sides of a shape
             except QgeoError:
                 return
             self.shown, self._vertices = proxy.surface, proxy.vertices

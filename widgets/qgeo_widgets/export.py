@@ -19,6 +19,8 @@ from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import MissingPackageError
 from qgeo_widgets.fields import Field, Limits, ScalarField
 from qgeo_widgets.legend import css
+from qgeo_widgets.motion import Motion
+from qgeo_widgets.pane import Pane
 from qgeo_widgets.viewer import FIELD_OF_VIEW, Viewer
 
 _STEPS = 256
@@ -47,6 +49,8 @@ class Page:
         Vertex of the other pane for each vertex of a pane, -1 for none.
     matrix : mapping, optional
         Picture of a matrix whose rows are functions on the first pane, see `matrix_data`.
+    motion : mapping, optional
+        Frames of every pane and how they are played, see `motion_data`.
     """
 
     title: str
@@ -59,6 +63,7 @@ class Page:
     info: str = ""
     partners: Sequence[npt.NDArray[np.integer]] | None = None
     matrix: Mapping[str, Any] = field(default_factory=dict)
+    motion: Mapping[str, Any] = field(default_factory=dict)
 
 
 def write_page(path: str | PathLike[str], viewer: Viewer, page: Page, still: str) -> None:
@@ -84,7 +89,7 @@ def page_text(viewer: Viewer, page: Page, still: str) -> str:
             {
                 "name": name,
                 "steps": [
-                    _painted(f, page.limits if (m, k) == (page.start, page.step) else None)
+                    _painted(f, page.limits if (m, k) == (page.start, page.step) else None, viewer.panes)
                     for k, f in enumerate(fields, start=1)
                 ],
             }
@@ -92,6 +97,7 @@ def page_text(viewer: Viewer, page: Page, still: str) -> str:
         ],
         "partners": None if page.partners is None else [_b64(p, np.int32) for p in page.partners],
         "matrix": page.matrix or None,
+        "motion": page.motion or None,
     }
     parts = {
         "title": escape(page.title),
@@ -104,6 +110,7 @@ def page_text(viewer: Viewer, page: Page, still: str) -> str:
         "licence": _resource("licence.txt"),
         "three": three_js().replace("</script", "<\\/script"),
         "orbit": _resource("orbit.js"),
+        "motion": _resource("motion.js"),
         "script": _resource("page.js"),
     }
     template = _resource("page.html")
@@ -133,6 +140,15 @@ def matrix_data(
     }
 
 
+def motion_data(motions: Sequence[Motion], state: Mapping[str, Any]) -> dict[str, Any]:
+    """What a page needs to play: frames (k, m, 3), their times (k,), and time, speed, loop and seconds at first."""
+    return {
+        "times": motions[0].times.tolist(),
+        "frames": [_b64(motion.positions, np.float32) for motion in motions],
+        **state,
+    }
+
+
 def three_js() -> str:
     """Text of the three.js that pythreejs ships."""
     for file in files("pythreejs") or ():
@@ -141,11 +157,18 @@ def three_js() -> str:
     raise MissingPackageError("to_html needs the three.js of pythreejs, which its installation here does not hold")
 
 
-def _shape(pane: Any, name: str) -> dict[str, Any]:
+def _shape(pane: Pane, name: str) -> dict[str, Any]:
     surface, placement = pane.surface, pane.placement
+    title, numbers = f"<b>{escape(name)}</b>, {surface.n_vertices} vertices", None
+    if pane.page_mesh is not None:
+        title += pane.page_mesh.caption
+        if pane.page_mesh.is_proxy:
+            numbers = _b64(pane.page_mesh.at_vertices(np.arange(surface.n_vertices)), np.int32)
+        surface = pane.page_mesh.shown
     return {
         "name": name,
-        "title": f"<b>{escape(name)}</b>, {surface.n_vertices} vertices",
+        "title": title,
+        "numbers": numbers,
         "positions": _b64(placement.to_scene(surface.vertices), np.float32),
         "normals": _b64(surface.vertex_normals @ placement.axes.T, np.float32),
         "index": _b64(surface.faces, np.uint32),
@@ -160,16 +183,23 @@ def _shape(pane: Any, name: str) -> dict[str, Any]:
     }
 
 
-def _painted(shown: Field, limits: Limits | None) -> dict[str, Any]:
+def _painted(shown: Field, limits: Limits | None, panes_drawn: Sequence[Pane]) -> dict[str, Any]:
     """A field as the page paints it: an index into 256 colours at each vertex, or its colour."""
     if isinstance(shown, ScalarField):
         panes = []
-        for values in shown.values:
-            index, lut = _indexed(values, shown, limits)
+        for values, pane in zip(shown.values, panes_drawn, strict=True):
+            index, lut = _indexed(_on_page(values, pane), shown, limits)
             panes.append({"lut": _b64(lut, np.uint8), "index": _b64(index, np.uint8)})
     else:
-        panes = [{"rgb": _b64(np.rint(255 * rgb), np.uint8)} for rgb in shown.colors(None)]
+        panes = [
+            {"rgb": _b64(np.rint(255 * _on_page(rgb, pane)), np.uint8)}
+            for rgb, pane in zip(shown.colors(None), panes_drawn, strict=True)
+        ]
     return {"legend": shown.legend(limits), "panes": panes}
+
+
+def _on_page(values: npt.NDArray[np.floating], pane: Pane) -> npt.NDArray[np.floating]:
+    return values if pane.page_mesh is None else pane.page_mesh.at_vertices(values)
 
 
 def _indexed(

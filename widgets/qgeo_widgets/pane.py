@@ -19,7 +19,15 @@ from qgeo_widgets.scene_placement import ScenePlacement
 Color = tuple[float, float, float]
 
 BACKGROUND = "#f7f7f8"
-_CLAY = np.array([0.82, 0.83, 0.86], dtype=np.float32)
+CLAY = np.array([0.82, 0.83, 0.86], dtype=np.float32)
+# The mesh is pushed back a little, so that lines on it are not cut by it.
+MATERIAL = {
+    "vertexColors": "VertexColors",
+    "side": "DoubleSide",
+    "polygonOffset": True,
+    "polygonOffsetFactor": 2.0,
+    "polygonOffsetUnits": 2.0,
+}
 # A click may move the camera by this part of its distance: about two pixels of the mouse, as hands do.
 _STILL = 0.03
 
@@ -49,12 +57,12 @@ class Pane:
     ) -> None:
         self.surface = surface
         self.placement = placement
-        self.colors = np.tile(_CLAY, (surface.n_vertices, 1))
+        self.colors = np.tile(CLAY, (surface.n_vertices, 1))
         self.marks: dict[str, tuple[FloatArray, Color]] = {}
         self.lines: dict[str, tuple[FloatArray, Color]] = {}
-        self.display = DisplayMesh(surface)
+        self.display = self._make_display()
         shown = self.display.shown
-        self._points = placement.to_scene(shown.vertices)
+        self._points, normals = self._first_look()
         self._radius = mark_radius
         self._camera = camera
         self._pressed_from = camera.position
@@ -63,25 +71,14 @@ class Pane:
         self._retired: list[Any] = []
         self._on_pick: list[Callable[[int], None]] = []
         self._color_attribute = three.BufferAttribute(self.display.at_vertices(self.colors), normalized=False)
-        geometry = three.BufferGeometry(
-            attributes={
-                "position": three.BufferAttribute(self._points.astype(np.float32), normalized=False),
-                "normal": three.BufferAttribute(
-                    (shown.vertex_normals @ placement.axes.T).astype(np.float32), normalized=False
-                ),
+        mesh = self._make_mesh(
+            {
+                "position": vectors(self._points),
+                "normal": vectors(normals),
                 "color": self._color_attribute,
                 "index": three.BufferAttribute(shown.faces.ravel().astype(np.uint32), normalized=False),
             }
         )
-        # The mesh is pushed back a little, so that lines on it are not cut by it.
-        material = three.MeshLambertMaterial(
-            vertexColors="VertexColors",
-            side="DoubleSide",
-            polygonOffset=True,
-            polygonOffsetFactor=2.0,
-            polygonOffsetUnits=2.0,
-        )
-        mesh = three.Mesh(geometry, material)
         self._scene = three.Scene(children=[*_lamps(), mesh], background=None)
         self.press = three.Picker(controlling=mesh, event="mousedown")
         self.press.observe(self._pressed, names="point")
@@ -96,6 +93,27 @@ class Pane:
             antialias=True,
             clearColor=BACKGROUND,
         )
+
+    # -- for subclasses -----------------------------------------------------------------------------
+
+    def _make_display(self) -> DisplayMesh:
+        """What is drawn of the surface."""
+        return DisplayMesh(self.surface)
+
+    def _first_look(self) -> tuple[FloatArray, FloatArray]:
+        """Positions and normals of the vertices that are drawn, in the scene."""
+        shown = self.display.shown
+        return self.placement.to_scene(shown.vertices), shown.vertex_normals @ self.placement.axes.T
+
+    def _make_mesh(self, attributes: dict[str, Any]) -> Any:
+        return three.Mesh(three.BufferGeometry(attributes=attributes), three.MeshLambertMaterial(**MATERIAL))
+
+    # -- for export ---------------------------------------------------------------------------------
+
+    @property
+    def page_mesh(self) -> DisplayMesh | None:
+        """What a page shows in place of the surface; None is the surface itself."""
+        return None
 
     # -- colours ------------------------------------------------------------------------------------
 
@@ -187,6 +205,11 @@ class Pane:
         self._balls.clear()
         self._strokes.clear()
         self._retired.clear()
+
+
+def vectors(array: npt.ArrayLike) -> Any:
+    """Vectors (n, 3) as the browser gets them."""
+    return three.BufferAttribute(np.asarray(array, dtype=np.float32), normalized=False)
 
 
 def _lamps() -> list[Any]:

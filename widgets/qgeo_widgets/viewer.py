@@ -15,6 +15,8 @@ from qgeo_filters.errors import ParameterError
 from qgeo_filters.surface import Surface
 from qgeo_widgets.disposal import close_tree
 from qgeo_widgets.fallback_image import STYLE, FallbackImage
+from qgeo_widgets.motion import Motion
+from qgeo_widgets.moving_pane import MovingPane
 from qgeo_widgets.pane import Pane
 from qgeo_widgets.scene_placement import ScenePlacement
 
@@ -34,6 +36,8 @@ class Viewer:
     size : (int, int)
         Of each canvas, in pixels.
     titles : sequence of str
+    motions : sequence of Motion, optional
+        Of surfaces that move; the first view then shows all that they come to, whole.
     """
 
     def __init__(
@@ -42,23 +46,29 @@ class Viewer:
         placements: Sequence[ScenePlacement],
         size: tuple[int, int],
         titles: Sequence[str],
+        motions: Sequence[Motion] = (),
     ) -> None:
         if not 1 <= len(surfaces) <= 2:
             raise ParameterError(f"a viewer has one or two canvases, not {len(surfaces)}")
-        extents = [_extents(surface, placement) for surface, placement in zip(surfaces, placements, strict=True)]
-        radius, sideways, upward = np.max(extents, axis=0).tolist()
-        # Turned about the vertical axis, no shape leaves the picture.
-        slope = np.tan(np.radians(FIELD_OF_VIEW / 2))
-        self.home = (0.0, 0.0, 1.05 * max(upward, sideways * size[1] / size[0]) / slope)
+        slope = float(np.tan(np.radians(FIELD_OF_VIEW / 2)))
+        if motions:
+            radius, distance = np.max([motion.reach(slope, size[0] / size[1]) for motion in motions], axis=0).tolist()
+        else:
+            extents = [_extents(surface, placement) for surface, placement in zip(surfaces, placements, strict=True)]
+            radius, sideways, upward = np.max(extents, axis=0).tolist()
+            # Turned about the vertical axis, no shape leaves the picture.
+            distance = max(upward, sideways * size[1] / size[0]) / slope
+        self.home = (0.0, 0.0, 1.05 * distance)
         self._camera = three.PerspectiveCamera(
             fov=FIELD_OF_VIEW, aspect=size[0] / size[1], position=self.home, near=0.02 * radius, far=60 * radius
         )
         self._orbit = three.OrbitControls(controlling=self._camera)
         self.size = size
         self.mark_radius = 0.022 * radius
-        self.panes = [
-            Pane(surface, placement, self._camera, self._orbit, size, self.mark_radius)
-            for surface, placement in zip(surfaces, placements, strict=True)
+        shared = self._camera, self._orbit, size, self.mark_radius
+        self.moving = [MovingPane(motion, *shared) for motion in motions]
+        self.panes: Sequence[Pane] = self.moving or [
+            Pane(surface, placement, *shared) for surface, placement in zip(surfaces, placements, strict=True)
         ]
         self._on_camera: list[Callable[[tuple[float, float, float]], None]] = []
         self._camera.observe(self._moved, names="position")

@@ -22,7 +22,8 @@
       this.colors = new Float32Array(this.positions.length).fill(0.8);
       const geometry = new THREE.BufferGeometry();
       geometry.setIndex(new THREE.BufferAttribute(decoded(shape.index, Uint32Array), 1));
-      geometry.addAttribute('position', new THREE.BufferAttribute(this.positions, 3));
+      this.positionAttribute = new THREE.BufferAttribute(this.positions, 3);
+      geometry.addAttribute('position', this.positionAttribute);
       geometry.addAttribute('normal', new THREE.BufferAttribute(decoded(shape.normals, Float32Array), 3));
       this.colorAttribute = new THREE.BufferAttribute(this.colors, 3);
       geometry.addAttribute('color', this.colorAttribute);
@@ -50,6 +51,8 @@
       element('panes').appendChild(figure);
       this.picked = ball([0, 0, 0], '#db1c29');
       this.picked.visible = false;
+      this.marked = -1;
+      this.numbers = shape.numbers ? decoded(shape.numbers, Int32Array) : null;
       this.scene.add(this.picked);
     }
 
@@ -80,7 +83,16 @@
       return [hit.face.a, hit.face.b, hit.face.c].reduce((a, b) => (gap(b) < gap(a) ? b : a));
     }
 
+    /* Positions were changed: shading, clicks and the mark follow. */
+    moved() {
+      this.positionAttribute.needsUpdate = true;
+      this.mesh.geometry.computeVertexNormals();
+      this.mesh.geometry.computeBoundingSphere();
+      this.mark(this.marked);
+    }
+
     mark(vertex) {
+      this.marked = vertex;
       this.picked.visible = vertex >= 0;
       if (vertex >= 0) this.picked.position.fromArray(this.positions, 3 * vertex);
     }
@@ -164,8 +176,9 @@
     const pair = data.partners ? decoded(data.partners[number], Int32Array)[vertex] : -1;
     panes.forEach((pane, i) => pane.mark(i === number ? vertex : pair));
     const names = data.shapes.map((shape) => shape.name);
+    const own = panes[number].numbers ? panes[number].numbers[vertex] : vertex;
     element('picked').textContent = pair < 0
-      ? `vertex ${vertex}` : `vertex ${vertex} of ${names[number]} ↔ vertex ${pair} of ${names[1 - number]}`;
+      ? `vertex ${own}` : `vertex ${vertex} of ${names[number]} ↔ vertex ${pair} of ${names[1 - number]}`;
     draw();
   }
 
@@ -190,6 +203,17 @@
       panes[0].mark(vertices[row]);
       element('legend').innerHTML = data.matrix.legend;
       element('picked').textContent = `row ${row}: distances from vertex ${vertices[row]}`;
+      draw();
+    });
+  }
+  if (data.motion) {
+    element('mode-label').hidden = data.modes.length < 2;
+    const frames = data.motion.frames.map((text) => decoded(text, Float32Array));
+    new Player(data.motion, (before, part) => {
+      panes.forEach((pane, i) => {
+        blend(frames[i], before, part, pane.positions);
+        pane.moved();
+      });
       draw();
     });
   }

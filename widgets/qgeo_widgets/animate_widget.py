@@ -1,0 +1,244 @@
+"""The widget of a shape in motion, or of two side by side: one time for both."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from os import PathLike
+from typing import Any
+
+import numpy as np
+import traitlets
+
+from qgeo_filters.errors import ParameterError
+from qgeo_filters.validation import checked_count
+from qgeo_widgets.animation_input import animations_of
+from qgeo_widgets.base import ATTRIBUTE, ShapeWidget
+from qgeo_widgets.fields import ColorField, Field, number_field
+from qgeo_widgets.motion import Motion, placements_of
+from qgeo_widgets.pane import CLAY
+from qgeo_widgets.player import FASTEST, LOOPS, REPEAT, SLOWEST, Player
+from qgeo_widgets.shape import Shape
+from qgeo_widgets.viewer import Viewer
+
+PLAIN = "plain"
+
+
+class AnimateWidget(ShapeWidget):
+    """An animation with its controls; see `qgeo_widgets.animate`.
+
+    Attributes
+    ----------
+    time : float
+        What is shown, in the unit of the animation's times; between two frames on straight lines. While it plays, it
+        follows the browser.
+    playing : bool
+    speed : float
+        From 0.05 to 20; 1 is as given.
+    loop : str
+        At the end: "repeat", "back and forth" or "once".
+    frame : int
+        The frame nearest to the time; setting it sets the time.
+    """
+
+    _page_title = "A shape in motion"
+    time = traitlets.Float(0.0)
+    playing = traitlets.Bool(False)
+    speed = traitlets.Float(1.0)
+    loop: traitlets.Unicode[str, str | bytes] = traitlets.Unicode(REPEAT)
+    frame = traitlets.Int(0)
+
+    def __init__(self, animation: Any, *, size: tuple[int, int], seconds: float | None, attribute: str | None) -> None:
+        super().__init__()
+        self._ticking = False
+        self._player: Player | None = None
+        with self._guarded():
+            named = animations_of(animation)
+            self._times = named[-1][1].times
+            self._shapes = [Shape(moving.surface, name) for name, moving in named]
+            animations = [moving for _, moving in named]
+            player = Player(self._times, _checked_seconds(seconds, len(self._times)))
+            self._modes = {PLAIN: self._plain_field}
+            for name in {name: None for shape in self._shapes for name in shape.surface.attributes}:
+                self._modes[ATTRIBUTE + name] = partial(self._attribute_field, name)
+            mode = PLAIN if attribute is None else ATTRIBUTE + attribute
+            if mode not in self._modes:
+                known = ", ".join(name.removeprefix(ATTRIBUTE) for name in list(self._modes)[1:]) or "none"
+                raise ParameterError(f"there is no attribute {attribute!r} (there are: {known})")
+            placements = placements_of(animations)
+            motions = [Motion(*each) for each in zip(animations, placements, strict=True)]
+            titles = [
+                f"<b>{shape.name}</b>, {shape.surface.n_vertices} vertices{motion.caption}"
+                for shape, motion in zip(self._shapes, motions, strict=True)
+            ]
+            viewer = Viewer([shape.surface for shape in self._shapes], placements, size, titles, motions)
+            self._player = player
+            self.time = float(self._times[0])
+            self._assemble(viewer, [shape.name for shape in self._shapes], mode)
+            self._mode_list.layout.display = "" if len(self._modes) > 1 else "none"
+            self.children = [*self.children[:2], player.row, *self.children[2:]]
+            self._connect(player, viewer)
+
+    def _connect(self, player: Player, viewer: Viewer) -> None:
+        for pane in viewer.moving:
+            pane.follow(player.clock)
+        player.set_speed(self.speed)
+        player.button.on_click(lambda _: self.set_trait("playing", not self.playing))
+        player.clock.observe(self._ticked, "value")
+        player.clock.observe(lambda change: self.set_trait("playing", change["new"]), "playing")
+        player.slider.observe(self._slid, "value")
+        traitlets.link((self, "speed"), (player.speed, "value"))
+        traitlets.link((self, "loop"), (player.loop, "value"))
+        self.observe(lambda _: self._show_time(), "time")
+        self.observe(lambda change: self._go_to_frame(change["new"]), "frame")
+        self.observe(lambda change: self._play_or_pause(change["new"]), "playing")
+        self.observe(lambda change: player.set_speed(change["new"]), "speed")
+        self.observe(lambda change: player.set_loop(change["new"]), "loop")
+
+    # -- checks -------------------------------------------------------------------------------------
+
+    @traitlets.validate("time")
+    def _valid_time(self, proposal: Any) -> float:
+        time = float(proposal["value"])
+        if self._viewer is not None and not self._times[0] <= time <= self._times[-1]:
+            raise ParameterError(f"time must be from {self._times[0]:g} to {self._times[-1]:g}, got {time!r}")
+        return time
+
+    @traitlets.validate("frame")
+    def _valid_frame(self, proposal: Any) -> int:
+        if self._viewer is None:
+            return int(proposal["value"])
+        return checked_count(proposal["value"], 0, len(self._times) - 1, "frame")
+
+    @traitlets.validate("speed")
+    def _valid_speed(self, proposal: Any) -> float:
+        speed = float(proposal["value"])
+        if not SLOWEST <= speed <= FASTEST:
+            raise ParameterError(f"speed must be from {SLOWEST:g} to {FASTEST:g}, got {speed!r}")
+        return speed
+
+    @traitlets.validate("loop")
+    def _valid_loop(self, proposal: Any) -> str:
+        if proposal["value"] not in LOOPS:
+            raise ParameterError(f"loop must be one of {', '.join(LOOPS)}, got {proposal['value']!r}")
+        return str(proposal["value"])
+
+    @traitlets.validate("playing")
+    def _valid_playing(self, proposal: Any) -> bool:
+        # Nothing moves where nothing is shown, or in a single frame.
+        return bool(proposal["value"]) and self._viewer is not None and len(self._times) > 1
+
+    # -- time ---------------------------------------------------------------------------------------
+
+    def _ticked(self, change: Any) -> None:
+        """The clock went on in the browser, which has drawn the shape at that time already."""
+        if self._ticking or self._player is None:
+            return
+        self._ticking = True
+        try:
+            self.time = self._player.time_of(change["new"])
+        finally:
+            self._ticking = False
+
+    def _slid(self, change: Any) -> None:
+        if abs(change["new"] - self.time) > 1e-9 * (self._times[-1] - self._times[0]):
+            self.time = float(np.clip(change["new"], self._times[0], self._times[-1]))
+
+    def _show_time(self) -> None:
+        if self._viewer is None or self._player is None:
+            return
+        self.frame = int(np.abs(self._times - self.time).argmin())
+        self._player.show(self.time)
+        if not self._ticking:
+            self._ticking = True  # what the clock now says is not news
+            try:
+                self._player.go_to(self.time)
+            finally:
+                self._ticking = False
+        if not self.playing:
+            for pane in self._viewer.moving:
+                pane.show(self.time)
+
+    def _go_to_frame(self, frame: int) -> None:
+        if self._viewer is not None and frame != int(np.abs(self._times - self.time).argmin()):
+            self.time = float(self._times[frame])
+
+    def _play_or_pause(self, playing: bool) -> None:
+        if self._viewer is None or self._player is None:
+            return
+        self._player.run(playing)
+        for pane in self._viewer.moving:
+            if playing:
+                pane.play()
+            else:
+                pane.pause(self.time)
+
+    # -- colours ------------------------------------------------------------------------------------
+
+    def _columns(self, mode: str) -> int:
+        return max(shape.columns(mode.removeprefix(ATTRIBUTE)) for shape in self._shapes) if mode != PLAIN else 1
+
+    def _plain_field(self, k: int) -> Field:
+        return ColorField([np.tile(CLAY, (shape.surface.n_vertices, 1)) for shape in self._shapes], "")
+
+    def _attribute_field(self, name: str, k: int) -> Field:
+        values = []
+        for shape in self._shapes:
+            absent = not shape.columns(name)
+            values.append(np.full(shape.surface.n_vertices, np.nan) if absent else shape.attribute(name, k))
+        return number_field(values, name)
+
+    # -- pictures and pages -------------------------------------------------------------------------
+
+    def snapshot(self, path: str | PathLike[str] | None = None) -> bytes:
+        """PNG of what is shown at this time, drawn in software; written to the path if given."""
+        self._pose()
+        return super().snapshot(path)
+
+    def to_html(self, path: str | PathLike[str], *, modes: Sequence[str] | None = None) -> None:
+        """Write one web page that plays anywhere, offline, with the controls of the widget.
+
+        Parameters
+        ----------
+        path : path
+        modes : sequence of str, optional
+            Which of `modes` the page offers; all by default.
+
+        Notes
+        -----
+        The page holds 16 characters for each vertex of each frame, at most about 45 million a shape: what is drawn is
+        what the widget draws, see `qgeo_widgets.animate`.
+        """
+        super().to_html(path, modes=modes)
+
+    def close(self) -> None:
+        """Free everything, here and in the browser."""
+        if self._player is not None:
+            self._player.close()
+        self._player = None
+        super().close()
+
+    def _draw_fallbacks(self) -> None:
+        self._pose()
+        super()._draw_fallbacks()
+
+    def _pose(self) -> None:
+        for pane in self._viewer.moving if self._viewer is not None else ():
+            pane.pose(self.time)
+
+    def _page_extras(self) -> dict[str, Any]:
+        from qgeo_widgets.export import motion_data
+
+        if self._player is None:
+            return {}
+        state = {"time": self.time, "speed": self.speed, "loop": str(self.loop), "seconds": self._player.seconds}
+        return {"motion": motion_data([pane.motion for pane in self._open_viewer.moving], state)}
+
+
+def _checked_seconds(seconds: float | None, frames: int) -> float:
+    """How long one pass takes: as given, else a fifteenth of a second a frame, but neither a blink nor a wait."""
+    if seconds is None:
+        return float(np.clip(frames / 15, 2.0, 12.0))
+    if isinstance(seconds, bool) or not isinstance(seconds, (int, float, np.number)) or not 0.1 <= seconds <= 3600:
+        raise ParameterError(f"seconds must be a number from 0.1 to 3600, got {seconds!r}")
+    return float(seconds)

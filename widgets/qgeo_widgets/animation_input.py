@@ -1,0 +1,50 @@
+"""What `animate` takes: an animation, or meshes with equal triangles, one for each frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from qgeo_filters.animation.poses import given_poses
+from qgeo_filters.animation.sequence import Animation
+from qgeo_filters.animation.transfer import Transfer
+from qgeo_filters.errors import ParameterError, concerning
+from qgeo_filters.hosts.dispatch import as_surface
+from qgeo_filters.surface import Surface
+
+_WANTED = "animate takes an Animation, a Transfer, or a sequence of meshes with equal triangles"
+
+
+def animations_of(given: Any) -> list[tuple[str, Animation]]:
+    """Name and animation of each pane: X and Y of a transfer, else one.
+
+    Raises
+    ------
+    ParameterError
+        What is no animation; no mesh at all; meshes of other triangles; a source of other frames than its transfer.
+    MeshError
+        What is no mesh.
+    """
+    if isinstance(given, Transfer) and given.source is not None:
+        if not np.array_equal(given.source.times, given.times):
+            raise ParameterError(
+                f"the source has {len(given.source)} frames, at other times than the {len(given)} of Y"
+            )
+        return [("X", given.source), ("Y", given)]
+    return [("shape", given if isinstance(given, Animation) else _of_meshes(given))]
+
+
+def _of_meshes(given: Any) -> Animation:
+    # Surfaces, paths, pairs (V, F) and meshes of other libraries are one mesh each, even where they can be iterated.
+    single = isinstance(given, (Surface, str, bytes, dict, np.ndarray)) or hasattr(given, "__fspath__")
+    pair = isinstance(given, tuple) and len(given) == 2 and all(np.ndim(part) == 2 for part in given)
+    if single or pair or hasattr(given, "vertices") or not isinstance(given, Iterable):
+        raise ParameterError(f"{_WANTED}, got one {type(given).__name__}")
+    meshes = list(given)
+    if not meshes:
+        raise ParameterError(f"{_WANTED}, got an empty {type(given).__name__}")
+    with concerning("mesh 0"):
+        first = as_surface(meshes[0])
+    return Animation(first, np.stack(list(given_poses(first, meshes))))
