@@ -193,3 +193,41 @@ def test_a_page_without_webgl_shows_a_picture_and_a_sentence(chromium, lab, pair
     tools.until(lambda: tools.pixels(picture).std() > 15)
     assert page.get_by_text("This browser shows no WebGL").is_visible()
     browser.close()
+
+
+def test_an_animation_plays_while_the_kernel_is_busy(notebook, page):
+    book = notebook(
+        "frames = [x.with_vertices(x.vertices * [1, 1, 1 + 0.4 * k]) for k in range(4)]\n"
+        "w = qw.animate(frames, seconds=2.0)\nw"
+    )
+    (canvas,) = book.canvases(1)
+    first = tools.settled(canvas)
+    page.locator(".widget-slider:visible .noUi-handle").first.press("End")
+    tools.until(lambda: book.python("print(w.time, w.frame)") == "3.0 3")
+    tools.until(lambda: np.abs(tools.pixels(canvas) - first).mean() > 1)
+    book.python("w.frame = 0")
+    tools.until(lambda: np.abs(tools.pixels(canvas) - first).mean() < 0.1)
+
+    page.get_by_title("play or pause").click()
+    tools.until(lambda: book.python("print(w.playing, w.time > 0)") == "True True")
+    page.evaluate(
+        """() => {
+            const kernel = window.jupyterapp.shell.currentWidget.sessionContext.session.kernel;
+            window.busy = true;
+            kernel.requestExecute({code: 'import time; time.sleep(8)'}).done.then(() => { window.busy = false; });
+        }"""
+    )
+    time.sleep(0.5)
+    seen = []
+    while len(seen) < 4:
+        seen.append(tools.pixels(canvas))
+        time.sleep(0.4)
+    assert page.evaluate("window.busy")
+    assert max(np.abs(one - other).mean() for one in seen for other in seen) > 0.5
+    page.get_by_title("play or pause").click()
+    tools.until(lambda: book.python("print(w.playing)") == "False")
+    still = tools.settled(canvas)
+    time.sleep(1.0)
+    np.testing.assert_array_equal(tools.pixels(canvas), still)
+    book.python("w.time = 0.0")
+    tools.until(lambda: np.abs(tools.pixels(canvas) - first).mean() < 0.1)

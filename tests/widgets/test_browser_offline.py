@@ -12,7 +12,8 @@ import pytest
 import shapes
 
 import qgeo_widgets as qw
-from qgeo_filters import Surface
+from qgeo_filters import Animation, Surface
+from qgeo_filters.animation.transfer import Transfer
 
 
 @pytest.fixture
@@ -91,6 +92,7 @@ def test_compare_page_turns_both_views_picks_partners_and_switches_modes(pair, t
     page = offline(tmp_path / "page.html")
     left, right = page.locator(".view canvas").first, page.locator(".view canvas").last
     tools.until(lambda: tools.pixels(left).std() > 15)
+    assert not page.locator("#player").is_visible()
     before = tools.settled(left), tools.settled(right)
     tools.drag(page, left, 60, 20, release=False)
     for canvas, old in zip((left, right), before, strict=True):
@@ -126,3 +128,72 @@ def test_matrix_page_shows_rows_under_the_mouse(tmp_path, offline):
     row = int(0.25 * len(vertices))
     assert page.locator("#picked").inner_text() == f"row {row}: distances from vertex {vertices[row]}"
     assert np.abs(tools.settled(shape) - before).mean() > 2
+
+
+def growing(surface: Surface) -> Animation:
+    """A surface that becomes longer and longer, at uneven times."""
+    poses = [surface.vertices * [1, 1, 1 + 0.4 * k] for k in range(4)]
+    return Animation(surface, np.stack(poses), [0.0, 1.0, 3.0, 4.0])
+
+
+def test_a_page_of_an_animation_holds_each_frame_once(pair, tmp_path):
+    walk = growing(pair[0])
+    widget = qw.animate(walk, attribute="height")
+    widget.time, widget.speed, widget.loop = 2.5, 2.0, "back and forth"
+    widget.to_html(tmp_path / "page.html")
+    data = page_data(tmp_path / "page.html")
+    state = data["motion"]
+    assert (state["time"], state["speed"], state["loop"], state["times"]) == (2.5, 2.0, "back and forth", [0, 1, 3, 4])
+    placement = widget._viewer.panes[0].placement
+    frames = array(state["frames"][0], np.float32).reshape(4, -1, 3)
+    np.testing.assert_allclose(placement.to_surface(frames), walk.positions, atol=1e-5)
+    assert data["modes"][data["start"]]["name"] == "attribute: height"
+    widget.close()
+
+
+@pytest.mark.browser
+def test_animation_page_plays_both_shapes_at_one_time(pair, tmp_path, offline):
+    walk = growing(pair[0])
+    widget = qw.animate(Transfer(walk.surface, walk.positions[:, :, [1, 0, 2]], walk.times, source=walk), seconds=2.0)
+    widget.to_html(tmp_path / "page.html")
+    widget.close()
+    page = offline(tmp_path / "page.html")
+    canvases = page.locator(".view canvas").first, page.locator(".view canvas").last
+    time, shown, play = page.locator("#time"), page.locator("#time-value"), page.locator("#play")
+    tools.until(lambda: tools.pixels(canvases[0]).std() > 10)
+    assert page.locator("#player").is_visible()
+    first = [tools.settled(canvas) for canvas in canvases]
+    time.fill("2.5")
+    assert shown.inner_text() == "2.50"
+    later = [tools.settled(canvas) for canvas in canvases]
+    for before, after in zip(first, later, strict=True):
+        assert np.abs(after - before).mean() > 1
+    time.fill("0")
+    for canvas, before in zip(canvases, first, strict=True):
+        np.testing.assert_array_equal(tools.settled(canvas), before)
+
+    # It plays until it is told to pause, and a click on the way marks a vertex that goes along.
+    play.click()
+    assert play.inner_text() == "pause"
+    tools.until(lambda: 0.2 < float(shown.inner_text()) < 3.9)
+    play.click()
+    assert play.inner_text() == "play"
+    paused = shown.inner_text()
+    still = tools.settled(canvases[0])
+    assert shown.inner_text() == paused
+    assert np.abs(still - first[0]).mean() > 0.3
+    box = canvases[0].bounding_box()
+    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    assert "vertex" in page.locator("#picked").inner_text()
+
+    # Once, and fast, it comes to its end and stays there; back and forth it returns.
+    page.select_option("#loop", "once")
+    page.locator("#speed").fill("1")
+    play.click()
+    tools.until(lambda: shown.inner_text() == "4.00" and play.inner_text() == "play")
+    page.select_option("#loop", "back and forth")
+    page.locator("#speed").fill("0")
+    play.click()
+    tools.until(lambda: 0.5 < float(shown.inner_text()) < 3.5)
+    tools.drag(page, canvases[1], 40, 10)  # turns while it plays
+    play.click()

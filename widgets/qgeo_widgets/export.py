@@ -159,9 +159,8 @@ def three_js() -> str:
 
 def _shape(pane: Pane, name: str) -> dict[str, Any]:
     surface, placement = pane.surface, pane.placement
-    title, numbers = f"<b>{escape(name)}</b>, {surface.n_vertices} vertices", None
+    title, numbers = f"<b>{escape(name)}</b>, {surface.n_vertices} vertices{pane.page_caption}", None
     if pane.page_mesh is not None:
-        title += pane.page_mesh.caption
         if pane.page_mesh.is_proxy:
             numbers = _b64(pane.page_mesh.at_vertices(np.arange(surface.n_vertices)), np.int32)
         surface = pane.page_mesh.shown

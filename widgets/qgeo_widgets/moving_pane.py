@@ -57,6 +57,7 @@ class MovingPane(Pane):
         self._moving_mesh = three.Mesh(geometry, material, frustumCulled=False)
         if moves:
             self._action = self._make_action()
+        self.show(float(self.motion.times[0]))
         return self._moving_mesh
 
     def _make_action(self) -> Any:
@@ -106,6 +107,11 @@ class MovingPane(Pane):
     def page_mesh(self) -> DisplayMesh:
         """What a page shows: the same as the widget."""
         return self.display
+
+    @property
+    def page_caption(self) -> str:
+        """What a reader of a page has to know of it."""
+        return self.motion.caption + self.display.caption
 
     def close(self) -> None:
         """Free all that the pane holds, in the kernel and in the browser."""

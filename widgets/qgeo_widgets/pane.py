@@ -115,6 +115,11 @@ class Pane:
         """What a page shows in place of the surface; None is the surface itself."""
         return None
 
+    @property
+    def page_caption(self) -> str:
+        """What a reader of a page has to know of it."""
+        return ""
+
     # -- colours ------------------------------------------------------------------------------------
 
     def set_colors(self, colors: npt.ArrayLike) -> bool:
