@@ -213,8 +213,6 @@ class AnimateWidget(ShapeWidget):
 
     def close(self) -> None:
         """Free everything, here and in the browser."""
-        if self._player is not None:
-            self._player.close()
         self._player = None
         super().close()
 

@@ -30,7 +30,10 @@ class Player:
         self._first, self._last = float(times[0]), float(times[-1])
         self.seconds = seconds
         span = self._last - self._first
-        self.clock = ipywidgets.Play(min=0, max=TICKS, value=0, interval=_INTERVAL, repeat=True)
+        # Only what is in the page ticks, so that it is there, unseen: its own buttons know neither speed nor way back.
+        self.clock = ipywidgets.Play(
+            min=0, max=TICKS, value=0, interval=_INTERVAL, repeat=True, layout={"display": "none"}
+        )
         self.button = controls.button("play", "play or pause")
         self.button.icon = "play"
         digits = 2 if span <= 0 else max(0, 2 - int(np.floor(np.log10(span))))
@@ -44,7 +47,7 @@ class Player:
             layout={"width": "230px", "margin": "2px 14px 2px 2px"},
         )  # fmt: skip
         self.loop = controls.choice("loop", LOOPS, REPEAT)
-        self.row = controls.row(self.button, self.slider, self.speed, self.loop)
+        self.row = controls.row(self.clock, self.button, self.slider, self.speed, self.loop)
         if span == 0:
             self.row.layout.display = "none"  # a single frame
 
@@ -84,8 +87,3 @@ class Player:
             self.clock.value = 2 * TICKS - self.clock.value
         self.clock.max = end
         self.clock.repeat = loop != ONCE
-
-    def close(self) -> None:
-        """Free the clock, which is in no row; the row goes with the widget that holds it."""
-        self.clock.unobserve_all()
-        self.clock.close()
