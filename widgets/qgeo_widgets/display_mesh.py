@@ -28,8 +28,8 @@ class DisplayMesh:
     Parameters
     ----------
     surface : Surface
-    most, of_larger : int
-        Vertices up to which it is drawn as it is, and those of what is drawn of a larger one.
+    most : int, optional
+        Vertices that there is room for, where that is fewer than `SHOWN_AS_IT_IS`.
 
     Attributes
     ----------
@@ -40,10 +40,12 @@ class DisplayMesh:
         manifold) is drawn as it is.
     """
 
-    def __init__(self, surface: Surface, most: int = SHOWN_AS_IT_IS, of_larger: int = SHOWN_OF_LARGER) -> None:
+    def __init__(self, surface: Surface, most: int | None = None) -> None:
         self.surface = surface
         self.shown = surface
         self._vertices: IndexArray | None = None
+        most = SHOWN_AS_IT_IS if most is None else min(most, SHOWN_AS_IT_IS)
+        of_larger = min(most, SHOWN_OF_LARGER)
         if surface.n_vertices > most:
             try:
                 key = content_key("display_mesh", surface.vertices, surface.faces, of_larger)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.animation.sequence import Animation
 from qgeo_filters.report.view import best_view
-from qgeo_widgets.display_mesh import SHOWN_AS_IT_IS, SHOWN_OF_LARGER, DisplayMesh
+from qgeo_widgets.display_mesh import DisplayMesh
 from qgeo_widgets.scene_placement import ScenePlacement
 
 #: Bytes of the frames that a browser gets of one pane; a position and a normal in float32 take 24 a vertex.
@@ -44,7 +44,7 @@ class Motion:
         self.placement = placement
         count = min(len(animation), MOST_FRAMES)
         fitting = max(MOST_BYTES // (_BYTES * count), _FEWEST)
-        self.display = DisplayMesh(animation.surface, min(fitting, SHOWN_AS_IT_IS), min(fitting, SHOWN_OF_LARGER))
+        self.display = DisplayMesh(animation.surface, fitting)
         count = max(min(count, MOST_BYTES // (_BYTES * self.display.shown.n_vertices)), 1, min(2, count))
         self.kept = np.linspace(0, len(animation) - 1, count).round().astype(np.int64)
 
