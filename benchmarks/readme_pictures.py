@@ -2,8 +2,8 @@
 
     python benchmarks/readme_pictures.py [FOLDER]
 
-writes eigenfunctions.png, symmetry.png, matrix.png, match.png, path.png and transfer.png, by default into docs/images. The second
-cow is the first one with its head turned and a foreleg raised by Open3D's as-rigid-as-possible deformation,
+writes eigenfunctions.png, symmetry.png, matrix.png, match.png, path.png and transfer.png, by default into docs/images.
+The second cow is the first one with its head turned and a foreleg raised by Open3D's as-rigid-as-possible deformation,
 then triangulated anew, so that its vertices have nothing to do with the first one's.
 """
 

@@ -38,8 +38,8 @@ def places_on(x: Surface, y: Surface, correspondence: MapLike | None, accept_uns
     ----------
     x, y : Surface
     correspondence : MatchResult, BarycentricMap or array-like of int, optional
-        A match of X and Y, or of Y and X; points of X for the vertices of Y, or the vertices nearest to them, (n_y,),
-        -1: none. Found by `match` if it is not given.
+        A match of X and Y, or of Y and X (of shapes of equal counts it goes by where the vertices are); points of X for
+        the vertices of Y, or the vertices nearest to them, (n_y,), -1: none. Found by `match` if it is not given.
     accept_unsure : bool
         Whether a match that is not sure is used all the same: the caller is to warn of the doubts.
 
@@ -69,11 +69,13 @@ def warned(doubts: Iterable[str]) -> None:
 
 
 def _of_match(x: Surface, y: Surface, found: MatchResult, accept_unsure: bool) -> Places:
-    sizes = [(surface.n_vertices, surface.n_faces) for surface in (found.x, found.y, x, y)]
-    if sizes[:2] == sizes[2:]:
-        place = found.inverse_barycentric
-    elif sizes[:2] == sizes[3:1:-1]:
+    there, back = (_alike(found.x, a) and _alike(found.y, b) for a, b in ((x, y), (y, x)))
+    if there and back:  # shapes of equal counts: told by where their vertices are
+        back = np.array_equal(found.x.vertices, y.vertices) and not np.array_equal(found.x.vertices, x.vertices)
+    if back:
         place = found.barycentric
+    elif there:
+        place = found.inverse_barycentric
     else:
         raise ParameterError(
             f"the match is one of {found.x.n_vertices} and {found.y.n_vertices} vertices, "
@@ -87,6 +89,10 @@ def _of_match(x: Surface, y: Surface, found: MatchResult, accept_unsure: bool) -
     if doubt and not accept_unsure:
         raise ParameterError(f"{doubt}. Look at it, give landmarks to match, or say accept_unsure=True")
     return Places(_checked(x, y, place), found, found.repairs, (doubt,) if doubt else ())
+
+
+def _alike(one: Surface, other: Surface) -> bool:
+    return (one.n_vertices, one.n_faces) == (other.n_vertices, other.n_faces)
 
 
 def _checked(x: Surface, y: Surface, place: BarycentricMap) -> BarycentricMap:

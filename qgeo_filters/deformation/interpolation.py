@@ -11,10 +11,11 @@ from qgeo_filters.deformation.gradients import TriangleFrames
 from qgeo_filters.deformation.poisson import PoissonSolver, area_shares
 from qgeo_filters.deformation.rotation_walk import RotationWalk
 from qgeo_filters.deformation.similarity import Similarity
+from qgeo_filters.jit import njit
 from qgeo_filters.surface import Surface
 
 # Passes in which rotations are fitted to what the gradients gave, so that lengths are the blended ones.
-_PASSES = 8
+_PASSES = 4
 # Pull towards the linear blend, over the area: it places each piece, and does no more.
 _PLACING = 1e-6
 
@@ -61,8 +62,7 @@ class InterpolationPath:
         targets = (1 - t) * self._start + t * self._end @ self._whole.rotation
         positions = self._solver(turned @ stretch, targets)
         for _ in range(_PASSES if 0 < t < 1 else 0):
-            rotations = _fitted(self._frames.gradients(positions), stretch)
-            positions = self._solver(rotations @ stretch, targets)
+            positions = self._solver(_fitted(self._frames.gradients(positions), stretch), targets)
         return self._placed(positions, t)
 
     def _placed(self, positions: FloatArray, t: float) -> FloatArray:
@@ -75,6 +75,20 @@ class InterpolationPath:
         return placed
 
 
+@njit()
 def _fitted(gradients: FloatArray, stretches: FloatArray) -> FloatArray:
-    """Rotation R of each triangle for which R S is nearest to its gradient."""
-    return fit_rotations(np.einsum("tij,tkj->tik", gradients, stretches))
+    """R S of each triangle, (m, 3, 3), for the rotation R with which it is nearest to the gradient."""
+    products = np.zeros(gradients.shape)
+    for t in range(len(gradients)):
+        for a in range(3):
+            for b in range(3):
+                for c in range(3):
+                    products[t, a, b] += gradients[t, a, c] * stretches[t, b, c]
+    rotations = fit_rotations(products)
+    products[:] = 0.0
+    for t in range(len(gradients)):
+        for a in range(3):
+            for b in range(3):
+                for c in range(3):
+                    products[t, a, b] += rotations[t, a, c] * stretches[t, c, b]
+    return products
