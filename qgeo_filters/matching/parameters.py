@@ -105,9 +105,10 @@ class MatchingParameters:
     quick_candidate_points: int = 400
     quick_registration_points: int = 800
     #: It leaves no doubt where the margin, and the agreement of heat kernels and of curvature, are this large, and the
-    #: distortion of distances this small.
+    #: distortion of distances this small. Of all pairs of TOSCA one was wrong and sure, at an agreement of .966
+    #: (victoria10-victoria23); of pairs drawn at random the right ones within a category have .972 and more.
     quick_margin: float = 2.0
-    quick_alike: float = 0.95
+    quick_alike: float = 0.97
     quick_relief: float = 0.9
     quick_distortion: float = 0.1
     #: Where a map of the other handedness distorts distances by less than this times as much, the mirrored maps of so
