@@ -10,10 +10,9 @@ from tqdm.auto import tqdm
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.animation.places import MapLike, Places, places_on, warned
-from qgeo_filters.animation.poses import same_triangles
+from qgeo_filters.animation.poses import laid_onto, same_triangles
 from qgeo_filters.animation.sequence import Animation
 from qgeo_filters.deformation.interpolation import InterpolationPath
-from qgeo_filters.deformation.pose import posed
 from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_given
 from qgeo_filters.parallel import default_workers, single_threaded_blas
@@ -116,11 +115,9 @@ def _end(
     if given is None and same_triangles(start, surface):
         return surface.vertices, left, None
     places = places_on(surface, start, given, accept_unsure)
-    targets = places.on_x.pulled_back(surface.vertices)
-    if np.array_equal(targets, surface.vertices):
-        return targets, left, places
-    grown = start.with_vertices(np.sqrt(surface.area / start.area) * start.vertices)
-    return posed(grown, targets, _ON_Y, _ON_Y), left, places
+    if np.array_equal(places.on_x.pulled_back(surface.vertices), surface.vertices):
+        return surface.vertices, left, places
+    return laid_onto(start, surface, places, _ON_Y), left, places
 
 
 def _checked_times(t: float | npt.ArrayLike, last: int) -> FloatArray:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray
-from qgeo_filters.animation.places import places_on
+from qgeo_filters.animation.places import Places, places_on, warned
 from qgeo_filters.closest_points import closest_points
 from qgeo_filters.deformation.pose import posed
 from qgeo_filters.errors import ParameterError, concerning
@@ -48,7 +48,7 @@ def given_poses(reference: Surface, poses: Any) -> Iterator[FloatArray]:
         raise ParameterError("no poses were given")
 
 
-def scanned_poses(reference: Surface, scans: Any) -> Iterator[FloatArray]:
+def scanned_poses(reference: Surface, scans: Any, accept_unsure: bool = False) -> Iterator[FloatArray]:
     """Positions (n, 3) of the reference's vertices in each pose, of which there is a scan in any triangulation.
 
     Each scan is matched with the reference, and the reference brought onto it as rigidly as possible. Where a scan lies
@@ -57,7 +57,7 @@ def scanned_poses(reference: Surface, scans: Any) -> Iterator[FloatArray]:
     Raises
     ------
     ParameterError
-        A scan whose match is not sure, or reverses the orientation.
+        A scan whose match is not sure, unless that is accepted, with a warning; one that reverses the orientation.
     """
     prepared, before, count = PreparedShape(reference), None, 0
     for count, scan in enumerate(_listed(scans), start=1):
@@ -65,11 +65,18 @@ def scanned_poses(reference: Surface, scans: Any) -> Iterator[FloatArray]:
             surface, _ = as_given(scan, "auto")
             marks = None if before is None else _marks(reference, before, surface)
             found = match(prepared, surface, landmarks=marks)
-            targets = places_on(surface, reference, found, False).on_x.pulled_back(surface.vertices)
-            before = posed(reference, targets, _SCAN_LENGTH, _SCAN_LENGTH)
+            places = places_on(surface, reference, found, accept_unsure)
+            warned(f"pose {count - 1}: {doubt}" for doubt in places.doubts)
+            before = laid_onto(reference, surface, places, _SCAN_LENGTH)
         yield before
     if count == 0:
         raise ParameterError("no poses were given")
+
+
+def laid_onto(body: Surface, surface: Surface, places: Places, length: float) -> FloatArray:
+    """Positions (n, 3) of a body on the surface, of any size, that it is mapped to; its own shape below a length."""
+    grown = body.with_vertices(np.sqrt(surface.area / body.area) * body.vertices)
+    return posed(grown, places.on_x.pulled_back(surface.vertices), length, length)
 
 
 def same_triangles(reference: Surface, other: Surface) -> bool:

@@ -140,7 +140,7 @@ def transfer_deformation(
             align=align,
             accept_unsure=accept_unsure,
         )
-        poses = list(tqdm(_poses(plan.x, x_poses, scans), desc="poses", disable=not progress))
+        poses = list(tqdm(_poses(plan.x, x_poses, scans, accept_unsure), desc="poses", disable=not progress))
         moved = [plan.moved(pose) for pose in poses]
     warned(plan.doubts)
     return plan.result([plan.frame(pose) for pose in poses], moved)
@@ -172,7 +172,7 @@ def transferred_poses(
         accept_unsure=accept_unsure,
     )
     warned(plan.doubts)
-    for pose in _poses(plan.x, x_poses, scans):
+    for pose in _poses(plan.x, x_poses, scans, accept_unsure):
         yield plan.moved(pose)
 
 
@@ -288,5 +288,5 @@ class PoseTransfer:
         )
 
 
-def _poses(x: Surface, poses: Any, scans: bool) -> Iterator[FloatArray]:
-    return scanned_poses(x, poses) if scans else given_poses(x, poses)
+def _poses(x: Surface, poses: Any, scans: bool, accept_unsure: bool) -> Iterator[FloatArray]:
+    return scanned_poses(x, poses, accept_unsure) if scans else given_poses(x, poses)

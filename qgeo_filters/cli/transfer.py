@@ -55,6 +55,7 @@ def transfer(
     """
     import numpy as np
 
+    from qgeo_filters.animation.places import warned
     from qgeo_filters.animation.poses import given_poses, scanned_poses
     from qgeo_filters.animation.sequence import Animation
     from qgeo_filters.animation.transfer import PoseTransfer
@@ -100,7 +101,9 @@ def transfer(
         plan = PoseTransfer.of(x, y, found, same_pose=same_pose, same_body=same_body, align=align, accept_unsure=unsure)
     followed, moved = [], []
     with job.stage("poses"):
-        for pose, name in zip((scanned_poses if scans else given_poses)(x, files), frames, strict=True):
+        warned(plan.doubts)
+        given = scanned_poses(x, files, unsure) if scans else given_poses(x, files)
+        for pose, name in zip(given, frames, strict=True):
             followed.append(plan.frame(pose))
             moved.append(plan.moved(pose))
             with job.file(name) as temporary:
