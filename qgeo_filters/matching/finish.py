@@ -15,7 +15,10 @@ def finished(problem: MatchProblem, coarse: DenseMap) -> DenseMap:
     x, y, fine = problem.x, problem.y, agreed.fine
     same = fine.x is x and fine.y is y
     start = coarse.p2p if same else carried(coarse.positions, x.proxy, y, y.fine_proxy.surface).p2p
-    return register(fine, start, Schedule.of(fine, problem.parameters.final))
+    try:
+        return register(fine, start, Schedule.of(fine, problem.parameters.final))
+    finally:
+        fine.x.arap.release()  # 30 kB a vertex, and no match of the same X is quicker for them
 
 
 def at_full_resolution(problem: MatchProblem, dense: DenseMap) -> CarriedMap:

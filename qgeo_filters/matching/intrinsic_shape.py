@@ -70,7 +70,7 @@ class IntrinsicShape:
     ) -> None:
         self.surface, self.unit, self.parameters = surface, unit, parameters
         self.scale = float(np.sqrt(surface.area))
-        self._matrix = matrix
+        self.matrix = matrix
         self._progress = progress
         self._embeddings: dict[int, MetricEmbedding] = {}
         self._fps: IndexArray | None = None
@@ -151,10 +151,10 @@ class IntrinsicShape:
         given, n = self.parameters, self.unit.n_vertices
         weight = given.curvature_weights[place]
         metric = self.metric if place == 0 else lifted_metric(self.surface, curvature_weight=weight)
-        if self._matrix is None:
+        if self.matrix is None:
             matrix = distance_matrix(self.surface, metric, progress=self._progress)
         else:
-            matrix = self._matrix(metric)
+            matrix = self.matrix(metric)
         k = min(given.distance_functions, n // 3)
         spectrum = spectrum_of_matrix(matrix, self.surface.vertex_areas, k, tolerance=given.eigen_tolerance)
         spectrum = self._in_unit_area(spectrum)

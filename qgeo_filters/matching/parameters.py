@@ -245,6 +245,9 @@ class MatchingParameters:
     doubtful_count: int = 3
 
     # -- reflections only ------------------------------------------------------------------------------------
+    #: ``preview_ratio`` of reflections: one that leaves limbs in place keeps distances better than the right one does
+    #: in an uneven pose, and is dropped for it only if that one is tried (symmetry: victoria2 needs 2.0).
+    reflection_preview_ratio: float = 2.5
     #: Reflections that relate parts less alike than this, front to back, are none (symmetry).
     reflection_alike: float = 0.9
     #: A reflection that leaves limbs in place which another exchanges is none, unless that one costs this many times as
@@ -312,6 +315,10 @@ class MatchingParameters:
     settled_orientation: float = 0.3
     #: Ratio of areas up to which shapes count as of one size, for ``normalize=False``.
     same_area: float = 1.1
+    #: A reflection that distorts distances by no more than this, but whose heat kernels agree by less, is sought once
+    #: more between the surfaces at which maps are finished (symmetry: cat9; right ones have .973 and more).
+    doubtful_reflection_distortion: float = 0.12
+    doubtful_reflection_alike: float = 0.972
     #: Mean distance between images from which two reflections are different ones (symmetry).
     reflection_apart: float = 0.1
     #: Agreement of mirror points: posed animals have .96 to 1, random smooth blobs .91 to .96 under their best

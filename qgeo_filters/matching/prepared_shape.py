@@ -184,6 +184,14 @@ class PreparedShape(Level):
         return self if same else FineShape(self.fine_proxy.surface, self.proxy, self)
 
     @cached_property
+    def finer(self) -> PreparedShape | None:
+        """The shape with a search at the resolution at which maps are finished; None where that is this one."""
+        if self.proxy.surface is self.fine_proxy.surface:
+            return None
+        given = replace(self.parameters, search_vertices=self.parameters.registration_vertices)
+        return PreparedShape(self.full, parameters=given, matrix=self.intrinsic.matrix, repair=False)
+
+    @cached_property
     def full_vertices(self) -> IndexArray:
         """The vertex at full resolution that stands for each vertex, (n,)."""
         return self.fine_proxy.vertices[self.proxy.vertices]
@@ -241,6 +249,7 @@ _EXTRINSIC = (
     "normals",
     "arap",
     "mirrored",
+    "finer",
 )
 
 

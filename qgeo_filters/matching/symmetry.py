@@ -12,7 +12,6 @@ from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.matching.finish import at_full_resolution, finished
 from qgeo_filters.matching.given_vertices import symmetry_on_given
-from qgeo_filters.matching.initialization.candidates import candidates
 from qgeo_filters.matching.maps.barycentric import barycentric_map
 from qgeo_filters.matching.maps.functional_map import nearest_neighbors, nearest_neighbors_both_ways
 from qgeo_filters.matching.maps.involution import optimal_involution
@@ -24,7 +23,8 @@ from qgeo_filters.matching.mirror_curve import MirrorPlane, mirror_plane, zero_c
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape, Shape
 from qgeo_filters.matching.problem import MatchProblem
-from qgeo_filters.matching.selection.decision import choose_reflection
+from qgeo_filters.matching.reflection_search import chosen_reflection, is_doubtful
+from qgeo_filters.matching.selection.decision import Decision
 from qgeo_filters.matching.selection.signatures import hks_agreement
 from qgeo_filters.matching.smooth_shells import DenseMap
 from qgeo_filters.matching.symmetry_measure import symmetry_epsilon, symmetry_regions
@@ -172,15 +172,21 @@ def reflection_log(shape: Shape, *, parameters: MatchingParameters | None = None
 
 @single_threaded_blas
 def _found(problem: MatchProblem, tolerance: float) -> Symmetry:
+    chosen = chosen_reflection(problem)
+    found = _judged(problem, chosen, tolerance)
+    finer = problem.x.finer
+    if finer is None or not is_doubtful(problem, chosen):
+        return found
+    closer = MatchProblem.of_reflection(finer, finer.parameters)
+    again = _judged(closer, chosen_reflection(closer), tolerance)
+    return again if again.found else found
+
+
+def _judged(problem: MatchProblem, decision: Decision | None, tolerance: float) -> Symmetry:
+    """The reflection finished, or why it is none."""
     x, given = problem.x, problem.parameters
-    proposed = candidates(problem)
-    reflections = [c for c in proposed if c.orientation > 0]
-    for c in proposed:
-        if c.orientation <= 0:
-            problem.log.drop(c.number, "keeps the orientation of the shape: no reflection")
-    if not reflections:
+    if decision is None:
         return _none(x, "no map of the shape to its mirror image keeps distances even roughly")
-    decision = choose_reflection(problem, reflections)
     margin = decision.margin
     if margin < given.margin and decision.mean_distortion < tolerance:
         return _none(

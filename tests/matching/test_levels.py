@@ -78,6 +78,12 @@ def test_the_map_is_one_of_all_vertices() -> None:
     assert map_.score < 0.05
 
 
+def test_a_match_leaves_no_factorisation_behind() -> None:
+    """They are larger than all else of a shape: an evening of matches must not collect them."""
+    found()
+    assert prepared(0.0).arap.n_factorised == prepared(0.0).fine.arap.n_factorised == 0
+
+
 def test_a_mirror_image_is_matched_as_one_at_full_resolution() -> None:
     vertices, faces = crooked(0)
     tiny = MatchingParameters(search_vertices=350, registration_vertices=500)

@@ -86,7 +86,8 @@ def previewed(problem: MatchProblem, pool: list[Candidate]) -> list[Contender]:
     """
     given, log = problem.parameters, problem.log
     ranked = sorted(pool, key=lambda c: c.rank)
-    bound = given.preview_ratio * ranked[0].rank + given.ratio_slack
+    ratio = given.reflection_preview_ratio if problem.reflection else given.preview_ratio
+    bound = ratio * ranked[0].rank + given.ratio_slack
     # What would win without the hints is tried in any case, so that their disagreement can be told.
     unhinted = min(pool, key=lambda c: c.unhinted_rank)
     tried: list[Candidate] = []
