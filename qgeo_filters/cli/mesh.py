@@ -13,8 +13,22 @@ if TYPE_CHECKING:
     from qgeo_filters.surface import Surface
 
 
+def _system(wanted: bool) -> None:
+    if wanted:
+        from qgeo_filters.cli.system import system_information
+
+        typer.echo(system_information())
+        raise typer.Exit
+
+
 def info(
     mesh: MeshFile,
+    system: Annotated[
+        bool,
+        typer.Option(
+            "--system", callback=_system, is_eager=True, help="Say what a bug report needs instead: versions."
+        ),
+    ] = False,
     output: Output = None,
     repair: Annotated[
         bool, typer.Option("--repair", help="Make the mesh manifold and one piece first; the report says what changed.")
