@@ -1,3 +1,3 @@
-.PHONY: demo test coverage
-demo test coverage:
+.PHONY: demo test coverage dist
+demo test coverage dist:
 	@bash run.sh $@

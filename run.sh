@@ -3,6 +3,7 @@
 #   demo [OPTIONS]   the main job on a real mesh: qgeo demo
 #   test [OPTIONS]   lint, types and tests; options go to pytest
 #   coverage         all tests, and how much of the code they ran: a quarter longer, so not part of the gate
+#   dist             wheel and source distribution, checked, and the wheel used in bare environments: a few minutes
 #   setup EXTRA      only the environment, with this extra of pyproject.toml (all, test)
 # PYTHON chooses the interpreter (3.11 to 3.13), VENV the folder of the environment, QGEO_TEST_SEED the order of the tests
 # (pytest prints it; `-p no:randomly` runs them as they are written).
@@ -89,11 +90,17 @@ coverage)
     "$bin/python" -m pytest -n 2 --dist loadfile --cov --cov-report=
     exec "$bin/python" .ci/coverage_report.py
     ;;
+dist)
+    shift
+    setup all
+    "$bin/python" -m pip install -q --disable-pip-version-check "build>=1.2" "twine>=6"
+    exec "$bin/python" .ci/distributions.py "$@"
+    ;;
 setup)
     setup "${2:-all}"
     ;;
 *)
-    sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
+    sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
     exit 2
     ;;
 esac
