@@ -41,7 +41,8 @@ _EVERY_NAME = "import {0} as package; [getattr(package, name) for name in packag
 def run(*command: str | Path, cwd: Path = ROOT) -> str:
     """Standard output of a command that must succeed."""
     print("$", *command, flush=True)
-    return subprocess.run([str(part) for part in command], cwd=cwd, check=True, stdout=subprocess.PIPE, text=True).stdout
+    words = [str(part) for part in command]
+    return subprocess.run(words, cwd=cwd, check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
 def readme_for_index(text: str, version: str) -> str:
