@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -74,6 +75,21 @@ class IntrinsicShape:
         self._progress = progress
         self._embeddings: dict[int, MetricEmbedding] = {}
         self._fps: IndexArray | None = None
+
+    def restore(self, embeddings: Sequence[MetricEmbedding], fps: IndexArray, **known: Any) -> None:
+        """Take what another process computed of the same surface: nothing of it is computed again.
+
+        Parameters
+        ----------
+        embeddings : sequence of MetricEmbedding
+            In all metrics.
+        fps : (m,) int64
+        **known : arrays and spectra
+            Values of this object's other properties, by name.
+        """
+        self._embeddings = dict(enumerate(embeddings))
+        self._fps = fps
+        self.__dict__.update(known)  # where cached properties keep their values
 
     @property
     def _last(self) -> int:

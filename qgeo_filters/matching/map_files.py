@@ -23,7 +23,8 @@ from qgeo_filters.matching.match_log import LoggedMap, MatchLog
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
 
-_DOCUMENT = "qgeo_match"  # what is no array, as JSON
+#: Name of the array in a file that holds what is no array, as JSON.
+DOCUMENT = "qgeo_match"
 _VERSION = 1
 _TYPES: dict[str, type] = {"float": float, "int": int, "bool": bool, "str": str, "None": type(None)}
 _LARGEST = 1e100
@@ -85,7 +86,7 @@ def arrays_of(result: Any) -> dict[str, np.ndarray]:
     objects = [name for name, array in found.items() if array.dtype.hasobject]
     if objects:
         raise ParameterError(f"{objects[0]} holds Python objects, which no .npz file holds safely: leave it out")
-    found[_DOCUMENT] = np.array(json.dumps({"version": _VERSION, **others}))
+    found[DOCUMENT] = np.array(json.dumps({"version": _VERSION, **others}))
     return found
 
 
@@ -106,25 +107,35 @@ def read_match(path: str | PathLike[str], kind: Any) -> dict[str, Any]:
     file = Path(path)
     with path_in_errors(file):
         arrays = saved_arrays(file)
-        others = _document(arrays)
-        values = {field.name: _value(field.name, str(field.type), arrays, others) for field in fields(kind)}
-        needed = [f.name for f in fields(kind) if f.default is MISSING and f.default_factory is MISSING]
-        lacking = [name for name in needed if values[name] is MISSING]
-        if lacking:
-            raise MeshError(f"the match has no {lacking[0]}: it was saved by another version of the package")
-        values = {name: value for name, value in values.items() if value is not MISSING}
-        _check(values)
-        return values
+        return fields_of(arrays, _document(arrays), kind)
+
+
+def fields_of(arrays: dict[str, np.ndarray], others: dict[str, Any], kind: Any) -> dict[str, Any]:
+    """Fields of a dataclass, checked against each other, from its arrays and from what else `arrays_of` found.
+
+    Raises
+    ------
+    MeshError
+        Arrays that are missing, or do not fit together.
+    """
+    values = {field.name: _value(field.name, str(field.type), arrays, others) for field in fields(kind)}
+    needed = [f.name for f in fields(kind) if f.default is MISSING and f.default_factory is MISSING]
+    lacking = [name for name in needed if values[name] is MISSING]
+    if lacking:
+        raise MeshError(f"the match has no {lacking[0]}: it was saved by another version of the package")
+    values = {name: value for name, value in values.items() if value is not MISSING}
+    _check(values)
+    return values
 
 
 def _document(arrays: dict[str, np.ndarray]) -> dict[str, Any]:
-    text = arrays.get(_DOCUMENT)
+    text = arrays.get(DOCUMENT)
     if text is None or text.dtype.kind != "U" or text.ndim:
         raise MeshError("no match that to_npz wrote")
     try:
         document = json.loads(str(text))
     except (ValueError, RecursionError) as error:
-        raise MeshError(f"{_DOCUMENT} is no JSON") from error
+        raise MeshError(f"{DOCUMENT} is no JSON") from error
     if not isinstance(document, dict) or document.get("version") != _VERSION:
         raise MeshError("the match was saved by another version of the package")
     return document
