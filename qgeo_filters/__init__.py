@@ -23,6 +23,7 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .animation.transfer import transferred_poses as transferred_poses
     from .barycentric import BarycentricMap as BarycentricMap
     from .caching import cache as cache
+    from .collection.collection import Collection as Collection
     from .compilation import warmup as warmup
     from .differential.coordinates import differential_coordinates as differential_coordinates
     from .differential.curvature import PrincipalCurvatures as PrincipalCurvatures
@@ -36,6 +37,7 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .errors import ParameterError as ParameterError
     from .errors import QgeoError as QgeoError
     from .errors import TooLargeError as TooLargeError
+    from .errors import WorkersLostError as WorkersLostError
     from .filters.appearance import Paint as Paint
     from .filters.base import Filter as Filter
     from .filters.base import Pipeline as Pipeline
@@ -112,6 +114,7 @@ _HOME = {
     "DisconnectedError": "errors",
     "MissingPackageError": "errors",
     "TooLargeError": "errors",
+    "WorkersLostError": "errors",
     "as_surface": "hosts.dispatch",
     "repair_surface": "hosts.repair",
     "Repair": "hosts.repair",
@@ -167,6 +170,7 @@ _HOME = {
     "interpolate": "animation.interpolate",
     "Animation": "animation.sequence",
     "write_animation": "report.animation_file",
+    "Collection": "collection.collection",
     "warmup": "compilation",
     # filters
     "Filter": "filters.base",

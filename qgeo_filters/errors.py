@@ -34,6 +34,10 @@ class TooLargeError(QgeoError, MemoryError):
     """A result that does not fit into memory, said before it is begun: how large it is, and what takes less."""
 
 
+class WorkersLostError(QgeoError, RuntimeError):
+    """Worker processes or a cluster that went away in the middle of their work; what was finished is kept."""
+
+
 class MissingPackageError(QgeoError, ImportError):
     """An optional package that is not installed: the message holds the ``pip install`` that brings it."""
 

@@ -10,8 +10,9 @@ from typing import Any
 
 import joblib
 
-# Folders that only show or measure results; all other code decides what comes out.
-_SHOWING = ("cli", "report", "evaluation")
+# Folders that only show, measure or keep results (what is kept has a format of its own); all other code decides what
+# comes out.
+_SHOWING = ("cli", "report", "evaluation", "collection")
 
 
 def numeric_sources() -> list[Path]:

@@ -68,6 +68,7 @@ FLOORS: list[list[str]] = [
     ["filters"],
     ["testing"],
     ["evaluation"],
+    ["collection"],
     ["report"],
     ["compilation"],  # compiles the kernels of all floors below
     ["qgeo_filters"],  # the names that users see, each loaded when it is asked for
