@@ -55,7 +55,7 @@ def on_cluster(
             return future
 
         # In the order of the targets, which a worker that has one of them likes best.
-        running = distributed.as_completed([submitted(chunk) for chunk in first])
+        running = distributed.as_completed([submitted(chunk) for chunk in first], loop=client.loop)
         for future in running:
             outcomes = future.result()
             yield sizes.pop(future.key), outcomes
