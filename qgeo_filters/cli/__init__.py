@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from qgeo_filters.cli.collection import app as collection
 from qgeo_filters.cli.compatibility import compatibility
 from qgeo_filters.cli.demo import demo
 from qgeo_filters.cli.errors import OneLineErrors, OneLineWarnings
@@ -59,6 +60,7 @@ for command in (
     warmup,
 ):  # fmt: skip
     app.command(cls=OneLineWarnings)(command)
+app.add_typer(collection, name="collection")
 
 
 def main() -> None:

@@ -1,8 +1,7 @@
-"""What commands share that make animations: files and folders of poses, and the files that are written."""
+"""What commands share that make animations: the files that are written."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from qgeo_filters.errors import MeshError, ParameterError
+from qgeo_filters.errors import ParameterError
 
 if TYPE_CHECKING:
     from qgeo_filters.animation.sequence import Animation
@@ -36,33 +35,6 @@ Seconds = Annotated[
 Unsure = Annotated[
     bool, typer.Option("--accept-unsure", help="Go on, with a warning, where the correspondence is not sure.")
 ]
-
-
-def mesh_files(path: Path) -> list[Path]:
-    """The file, or the mesh files of a folder, numbers in their names in the order of numbers.
-
-    Raises
-    ------
-    MeshError
-        A folder without any.
-    FileNotFoundError
-        No such file: said before anything is computed.
-    """
-    from qgeo_filters.io.formats import SUFFIXES
-
-    if not path.is_dir():
-        if not (path.exists() or path.with_name(f"{path.name}.vert").exists()):
-            raise FileNotFoundError(f"no such file: {path}")
-        return [path]
-    found = [file for file in path.iterdir() if file.suffix.lower() in SUFFIXES and file.is_file()]
-    if not found:
-        raise MeshError(f"{path}: a folder without mesh files")
-    return sorted(found, key=_natural)
-
-
-def _natural(path: Path) -> list[tuple[int, int, str]]:
-    parts = re.split(r"(\d+)", path.name.casefold())
-    return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts]
 
 
 def animation_names(animate: Sequence[str] | None) -> list[str]:

@@ -41,9 +41,10 @@ def interpolate(
     from qgeo_filters.cli import animations
     from qgeo_filters.cli.job import Job, as_title
     from qgeo_filters.filters import stages
+    from qgeo_filters.io.folders import mesh_files
 
     mend = repair_option(repair, force)
-    files = [file for path in poses for file in animations.mesh_files(path)]
+    files = [file for path in poses for file in mesh_files(path)]
     names = animations.animation_names(animate)
     parameters = {"frames": frames, "accept_unsure": unsure, "seconds": seconds, "repair": mend}
     called = ("X", *(f"pose {number}" for number in range(len(files))))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -10,16 +12,25 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from qgeo_filters.cli.options import Force, Json, Output, Pictures, Quiet, Repair, Settings, Workers, repair_option
+from qgeo_filters.errors import QgeoError, reason
 
 if TYPE_CHECKING:
     import numpy as np
+
+    from qgeo_filters._typing import RepairOption
+    from qgeo_filters.cli.job import Job
+    from qgeo_filters.filters.base import Pipeline
+    from qgeo_filters.surface import Surface
 
 
 def run(
     pipeline: Annotated[
         Path, typer.Argument(metavar="PIPELINE.yaml", help="Filters, as Pipeline.save writes them.", show_default=False)
     ],
-    meshes: Annotated[list[Path], typer.Argument(metavar="MESH...", help="One mesh or more.", show_default=False)],
+    meshes: Annotated[
+        list[Path],
+        typer.Argument(metavar="MESH...", help="One mesh or more, or folders of them.", show_default=False),
+    ],
     workers: Workers = None,
     output: Output = None,
     repair: Repair = None,
@@ -30,13 +41,14 @@ def run(
 ) -> None:
     """Run a pipeline of filters over meshes; with several meshes each has its own folder in DIR.
 
+    Meshes that are named are all read before the first is computed: bad input shows at once. In a folder a mesh that
+    cannot be read, or computed, is named, and the rest goes on; the exit code is then 1.
+
     result.npz: one array for each attribute that the filters add.
     """
-    import numpy as np
-
     from qgeo_filters.cli.job import Job
     from qgeo_filters.filters.base import Pipeline
-    from qgeo_filters.report.figures import plot_attribute
+    from qgeo_filters.io.folders import mesh_files
 
     steps = Pipeline.load(pipeline)
     mend = repair_option(repair, force)
@@ -47,35 +59,62 @@ def run(
         **{f"{position}. {type(step).__name__}": step.get_params() for position, step in numbered},
         "repair": mend,
     }
-    # All meshes are read before the first is computed: bad input shows at once.
-    jobs = [
-        Job(
-            "run",
-            replace(settings, output=folder),
-            parameters,
-            [mesh],
-            inputs=[pipeline, *meshes],
-            pictures=steps.outputs,
-        )
-        for folder, mesh in zip(_folders(settings.folder("run"), meshes), meshes, strict=True)
-    ]
-    surfaces = [job.read_given()[0] for job in jobs]
-    for job, surface in zip(jobs, surfaces, strict=True):
-        with job.stage("pipeline"):
-            described = steps(surface, repair=mend, progress=job.progress)
-            if steps.repair_ is not None:
-                job.repaired(0, steps.repair_.report)
-        added = {name: np.asarray(values) for name, values in described.attributes.items() if name in steps.outputs}
-        job.save({name: _summary(values) for name, values in added.items()}, added, described)
-        for name, values in added.items():
-            draw = partial(plot_attribute, surface, name, values)
-            job.picture(name, f"{name}: {steps.outputs[name]}", draw)
-        job.finish()
+    patient = any(mesh.is_dir() for mesh in meshes)
+    files = [file for mesh in meshes for file in mesh_files(mesh)] if patient else meshes
+    bad = _Bad(patient)
+    jobs = []
+    for folder, mesh in zip(_folders(settings.folder("run"), files, patient), files, strict=True):
+        own = replace(settings, output=folder)
+        job = Job("run", own, parameters, [mesh], inputs=[pipeline, *files], pictures=steps.outputs)
+        with bad.named(mesh, reading=True):
+            jobs.append((job, job.read_given()[0]))
+    for job, surface in jobs:
+        with bad.named(job.paths[0]):
+            _run_one(job, steps, surface, mend)
+    if bad.files:
+        typer.echo(f"qgeo: {bad.files} of {len(files)} meshes have no results", err=True)
+        raise typer.Exit(1)
 
 
-def _folders(output: Path, meshes: list[Path]) -> list[Path]:
+def _run_one(job: Job, steps: Pipeline, surface: Surface, mend: RepairOption) -> None:
+    import numpy as np
+
+    from qgeo_filters.report.figures import plot_attribute
+
+    with job.stage("pipeline"):
+        described = steps(surface, repair=mend, progress=job.progress)
+        if steps.repair_ is not None:
+            job.repaired(0, steps.repair_.report)
+    added = {name: np.asarray(values) for name, values in described.attributes.items() if name in steps.outputs}
+    job.save({name: _summary(values) for name, values in added.items()}, added, described)
+    for name, values in added.items():
+        draw = partial(plot_attribute, surface, name, values)
+        job.picture(name, f"{name}: {steps.outputs[name]}", draw)
+    job.finish()
+
+
+class _Bad:
+    """Meshes that have no results: named where the rest goes on."""
+
+    def __init__(self, patient: bool) -> None:
+        self.patient, self.files = patient, 0
+
+    @contextmanager
+    def named(self, mesh: Path, *, reading: bool = False) -> Iterator[None]:
+        """Context in which what is wrong with a mesh is said, or raised where the rest does not go on."""
+        try:
+            yield
+        except (QgeoError, MemoryError, OSError) as error:
+            if not self.patient or (isinstance(error, OSError) and not reading):  # a full disk ends it
+                raise
+            self.files += 1
+            said = reason(error)
+            typer.echo(f"qgeo: {said if str(mesh) in said else f'{mesh}: {said}'}", err=True)
+
+
+def _folders(output: Path, meshes: list[Path], below: bool) -> list[Path]:
     """The folder itself for one mesh, else one below it for each mesh, numbered where names repeat."""
-    if len(meshes) == 1:
+    if len(meshes) == 1 and not below:
         return [output]
     from qgeo_filters.cli.job import numbered
 

@@ -62,14 +62,15 @@ def transfer(
     from qgeo_filters.cli import animations
     from qgeo_filters.cli.job import Job, as_title, numbered
     from qgeo_filters.filters import stages
+    from qgeo_filters.io.folders import mesh_files
 
     mend = repair_option(repair, force)
-    first, *others = animations.mesh_files(reference)
-    files = [file for path in poses or () for file in animations.mesh_files(path)] or others
+    first, *others = mesh_files(reference)
+    files = [file for path in poses or () for file in mesh_files(path)] or others
     if not files:
         raise ParameterError("no poses: name their files, a folder of them, or as X a folder that holds them too")
     names = animations.animation_names(animate)
-    y_file = animations.mesh_files(onto)[0]
+    y_file = mesh_files(onto)[0]
     frames = [f"{name}.ply" for name in numbered([f"{y_file.stem}_{file.stem}" for file in files])]
     parameters = {
         "poses": [str(file) for file in files],

@@ -7,7 +7,7 @@ import shutil
 import tempfile
 import warnings
 import weakref
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from qgeo_filters._typing import MirrorOption, PartialOption, RepairOption
@@ -87,21 +87,25 @@ class Collection(Runs, Results):
         given = named_shapes(shapes, names)
         group_of = dict(zip(given, groups_of(list(given), groups), strict=True))
         place = Store(self._temporary() if store is None else store)
-        entries, problems = [], []
+        entries: list[Entry] = []
+        unread: dict[str, str] = {}
         for name, shape in given.items():
             try:
                 surface, notes = as_given(shape, repair)
             except (QgeoError, OSError) as error:
-                problems.append(Problem(name, reason(error)))
+                unread[name] = reason(error)
                 continue
             key = surface_key(surface)
             place.write_surface(key, surface)
             entries.append(Entry(name, group_of[name], key, path_of(shape), notes))
         if not entries:
-            raise MeshError(f"none of the {len(given)} shapes can be read; the first, {problems[0]}")
-        place.write_index(entries, settings)
+            name, why = next(iter(unread.items()))
+            raise MeshError(f"none of the {len(given)} shapes can be read; the first, {name}: {why}")
+        place.write_index(entries, settings, unread)
         super().__init__(place, settings, entries)
-        self._found = problems + _copies(entries)
+        self._found = _found(entries, unread)
+        if copies := _copies(entries):
+            warnings.warn(f"{copies[0]} ({len(copies)} such shapes)", stacklevel=2)
 
     @classmethod
     def open(cls, store: str | os.PathLike[str]) -> Collection:
@@ -113,9 +117,10 @@ class Collection(Runs, Results):
             No store, one of another version, or one that holds no shapes.
         """
         known = Store(store, create=False)
-        entries, settings = known.read_index()
+        entries, settings, unread = known.read_index()
         self = cls.__new__(cls)
         super(Collection, self).__init__(known, settings, entries)
+        self._found = _found(entries, unread)
         return self
 
     def _temporary(self) -> Path:
@@ -125,15 +130,15 @@ class Collection(Runs, Results):
 
 
 def _copies(entries: Sequence[Entry]) -> list[Problem]:
-    """Shapes that hold the same mesh as an earlier one, with a warning."""
+    """Shapes that hold the mesh of an earlier one."""
     first: dict[str, str] = {}
     for entry in entries:
         first.setdefault(entry.surface, entry.name)
-    found = [
-        Problem(entry.name, f"holds the same mesh as {first[entry.surface]}", lost=False)
-        for entry in entries
-        if first[entry.surface] != entry.name
-    ]
-    if found:
-        warnings.warn(f"{found[0]} ({len(found)} such shapes)", stacklevel=3)
-    return found
+    copies = [one for one in entries if first[one.surface] != one.name]
+    return [Problem(one.name, f"holds the same mesh as {first[one.surface]}", lost=False) for one in copies]
+
+
+def _found(entries: Sequence[Entry], unread: Mapping[str, str]) -> list[Problem]:
+    """Files that cannot be read, copies, and what had to be left out of meshes."""
+    left_out = [Problem(one.name, note, lost=False) for one in entries for note in one.notes]
+    return [*(Problem(name, why) for name, why in unread.items()), *_copies(entries), *left_out]

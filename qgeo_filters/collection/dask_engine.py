@@ -12,8 +12,8 @@ from qgeo_filters.errors import ParameterError, QgeoError, WorkersLostError, rea
 # Tasks that wait at the scheduler for each thread of the cluster: millions of them need not be there at once.
 _AHEAD = 4
 _FEWEST = 16
-# Seconds for a first answer.
-_PATIENCE = 30
+#: Seconds for a first answer.
+PATIENCE = 30
 
 
 def on_cluster(
@@ -44,7 +44,7 @@ def on_cluster(
         waiting = iter(chunks)
         threads = sum(client.nthreads().values())
         if not threads:
-            client.wait_for_workers(1, timeout=_PATIENCE)
+            client.wait_for_workers(1, timeout=PATIENCE)
             threads = sum(client.nthreads().values())
         first = list(islice(waiting, max(_AHEAD * threads, _FEWEST)))
         sizes = {}
@@ -71,7 +71,7 @@ def _client(distributed: Any, scheduler: Any) -> Iterator[Any]:
     if not isinstance(scheduler, str):
         raise ParameterError(f"scheduler must be an address such as 'tcp://host:8786' or a Client, got {scheduler!r}")
     try:
-        client = distributed.Client(scheduler, timeout=_PATIENCE, set_as_default=False)
+        client = distributed.Client(scheduler, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
         raise WorkersLostError(f"no scheduler of Dask answers at {scheduler}: {reason(error)}") from error
     with client:

@@ -10,7 +10,7 @@ from typing import Any
 
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.hosts.dispatch import SurfaceLike
-from qgeo_filters.io.formats import SUFFIXES
+from qgeo_filters.io.folders import mesh_files
 
 #: What a `Collection` takes: a folder, meshes or files, or those by name.
 Shapes = str | os.PathLike[str] | Sequence[SurfaceLike] | Mapping[str, SurfaceLike]
@@ -46,6 +46,8 @@ def named_shapes(shapes: Shapes, names: Sequence[str] | None = None) -> dict[str
     ------
     ParameterError
         Names that do not fit or occur twice, with the files; a mesh from memory without a name; no shape at all.
+    MeshError
+        A folder without meshes.
     FileNotFoundError, NotADirectoryError
         The folder is none.
     """
@@ -56,7 +58,7 @@ def named_shapes(shapes: Shapes, names: Sequence[str] | None = None) -> dict[str
         if not found:
             raise ParameterError("a collection needs a shape at least, got an empty mapping")
         return found
-    given = files_of(shapes) if isinstance(shapes, (str, os.PathLike)) else list(shapes)
+    given = _files(Path(shapes)) if isinstance(shapes, (str, os.PathLike)) else list(shapes)
     if not given:
         raise ParameterError("a collection needs a shape at least, got an empty list")
     chosen = [_stem(shape, number) for number, shape in enumerate(given)] if names is None else list(names)
@@ -71,24 +73,6 @@ def named_shapes(shapes: Shapes, names: Sequence[str] | None = None) -> dict[str
             )
         found[_checked_name(name)] = shape
     return found
-
-
-def files_of(folder: str | os.PathLike[str]) -> list[Path]:
-    """Meshes of a folder, told by their suffixes, in the order of their names.
-
-    Raises
-    ------
-    FileNotFoundError, NotADirectoryError, ParameterError
-        No folder, or no mesh in it.
-    """
-    root = Path(folder)
-    if not root.is_dir():
-        kind = NotADirectoryError if root.exists() else FileNotFoundError
-        raise kind(f"{root} is not a folder of meshes")
-    files = sorted(file for file in root.iterdir() if file.suffix.lower() in SUFFIXES and file.is_file())
-    if not files:
-        raise ParameterError(f"no mesh is in {root}; read are {', '.join(sorted(SUFFIXES))}")
-    return files
 
 
 def groups_of(names: Sequence[str], groups: Groups | None) -> list[str]:
@@ -122,6 +106,13 @@ def path_of(shape: Any) -> str:
 def unique(names: Iterable[str]) -> list[str]:
     """The names, each once, in the order of their first occurrence."""
     return list(dict.fromkeys(names))
+
+
+def _files(folder: Path) -> list[Path]:
+    if not folder.is_dir():
+        kind = NotADirectoryError if folder.exists() else FileNotFoundError
+        raise kind(f"{folder} is not a folder of meshes")
+    return mesh_files(folder)
 
 
 def _stem(shape: SurfaceLike, number: int) -> str:

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -110,7 +110,7 @@ class Store:
             raise FileNotFoundError(f"no such collection: {self.root}")
         if not self.root.parent.is_dir():
             raise FileNotFoundError(f"cannot make {self.root}: {self.root.parent} is not a folder")
-        write_group(self.root, {_MARK: {"format": FORMAT, "shapes": [], "settings": None}})
+        write_group(self.root, {_MARK: {"format": FORMAT, "settings": None, "shapes": [], "unread": {}}})
 
     def _content(self) -> dict[str, Any]:
         try:
@@ -122,14 +122,15 @@ class Store:
 
     # -- the index ----------------------------------------------------------------------------------
 
-    def write_index(self, entries: Sequence[Entry], settings: Settings) -> None:
-        """Say which shapes the collection has now; records of others stay."""
-        content = {"format": FORMAT, "settings": settings.to_json(), "shapes": [asdict(one) for one in entries]}
+    def write_index(self, entries: Sequence[Entry], settings: Settings, unread: Mapping[str, str]) -> None:
+        """Say which shapes the collection has now, and why others could not be read; records of others stay."""
+        shapes = [asdict(one) for one in entries]
+        content = {"format": FORMAT, "settings": settings.to_json(), "shapes": shapes, "unread": dict(unread)}
         if self._content() != json.loads(json.dumps(content)):
             write_group(self.root, {_MARK: content})
 
-    def read_index(self) -> tuple[list[Entry], Settings]:
-        """The shapes that the collection has, and how they are matched.
+    def read_index(self) -> tuple[list[Entry], Settings, dict[str, str]]:
+        """The shapes that the collection has, how they are matched, and why others could not be read.
 
         Raises
         ------
@@ -139,11 +140,12 @@ class Store:
         content = self._content()
         try:
             entries = [Entry(**{**one, "notes": tuple(one["notes"])}) for one in content["shapes"]]
-        except (KeyError, TypeError) as error:
+            unread = {str(name): str(why) for name, why in content["unread"].items()}
+        except (KeyError, TypeError, AttributeError) as error:
             raise ParameterError(f"the index of {self.root} is damaged: build the collection again") from error
         if not entries:
             raise ParameterError(f"the collection {self.root} has no shapes yet: build it from a folder of meshes")
-        return entries, Settings.from_json(content["settings"])
+        return entries, Settings.from_json(content["settings"]), unread
 
     # -- records ------------------------------------------------------------------------------------
 

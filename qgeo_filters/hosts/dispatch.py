@@ -115,8 +115,9 @@ def as_given(obj: SurfaceLike, repair: RepairOption) -> tuple[Surface, tuple[str
     except MeshError:
         if not checked_repair(repair):
             raise
+    raw = raw_mesh(obj, repair=True)  # which names its file itself
     with path_in_errors(obj if is_path(obj) else None):
-        sound = sound_mesh(raw_mesh(obj, repair=True))
+        sound = sound_mesh(raw)
         return Surface.from_raw(sound.raw), sound.notes
 
 

@@ -12,6 +12,7 @@ from itertools import zip_longest
 from os import PathLike
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 from matplotlib.figure import Figure
 
@@ -78,6 +79,24 @@ class StoredPicture:
     def wide(self) -> bool:
         """Whether it takes the whole width of the page."""
         return int.from_bytes(self.png[16:20], "big") > _WIDE * DPI  # the width in a PNG file's first chunk
+
+
+@dataclass(frozen=True)
+class Link:
+    """A cell of a table that leads to another page.
+
+    Attributes
+    ----------
+    text : str
+    file : str
+        Name of the page, beside this one.
+    """
+
+    text: str
+    file: str
+
+    def __str__(self) -> str:
+        return self.text
 
 
 @dataclass(frozen=True)
@@ -202,9 +221,14 @@ def _table(table: Table) -> str:
 def _row(row: Sequence[Any]) -> str:
     first, *others = row
     cells = "".join(
-        f'<td class="number">{escape(formatted(value))}</td>'
+        f'<td class="number">{_cell(value)}</td>'
         if isinstance(value, (int, float)) and not isinstance(value, bool)
-        else f"<td>{escape(formatted(value))}</td>"
+        else f"<td>{_cell(value)}</td>"
         for value in others
     )
-    return f'<tr><th scope="row">{escape(formatted(first))}</th>{cells}</tr>'
+    return f'<tr><th scope="row">{_cell(first)}</th>{cells}</tr>'
+
+
+def _cell(value: Any) -> str:
+    text = escape(formatted(value))
+    return f'<a href="{escape(quote(value.file))}">{text}</a>' if isinstance(value, Link) else text

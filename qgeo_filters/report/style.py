@@ -44,6 +44,7 @@ th { overflow-wrap: break-word; }
 thead th { color: var(--faint); font-weight: 600; }
 tbody th { font-weight: 500; }
 .number { font-variant-numeric: tabular-nums; white-space: nowrap; }
+a { color: var(--accent); }
 footer { margin-top: 1.5rem; font-size: .88rem; color: var(--faint); overflow-wrap: anywhere; }
 @media print { body { background: #ffffff; color: #000000; padding: 0; } figure, .table { break-inside: avoid; } }
 """

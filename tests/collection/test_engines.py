@@ -177,7 +177,7 @@ def test_a_cluster_with_workers_killed_and_one_that_goes_away(store: Path, expec
 
 def test_schedulers_that_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("qgeo_filters.collection.dask_engine._PATIENCE", 1)
+    monkeypatch.setattr("qgeo_filters.collection.dask_engine.PATIENCE", 1)
     collection = qg.Collection(poses(2), parameters=QUICK)
     with pytest.raises(WorkersLostError, match=r"no scheduler of Dask answers at tcp://127.0.0.1:9"):
         collection.match(scheduler="tcp://127.0.0.1:9")

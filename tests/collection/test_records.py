@@ -158,11 +158,11 @@ def test_what_was_left_unfinished_goes_after_a_day(root: Path) -> None:
 def test_the_index_is_written_when_it_changes(root: Path) -> None:
     settings = Settings(mirror="no", repair=False)
     entries = [Entry("a", "g", "0" * 32, "/a.ply", ("a face was left out",)), Entry("inf", "", "1" * 32)]
-    Store(root).write_index(entries, settings)
+    Store(root).write_index(entries, settings, {"c": "no such file"})
     before = (root / "zarr.json").stat().st_mtime_ns
-    Store(root).write_index(entries, settings)
+    Store(root).write_index(entries, settings, {"c": "no such file"})
     assert (root / "zarr.json").stat().st_mtime_ns == before
-    assert Store(root, create=False).read_index() == (entries, settings)
+    assert Store(root, create=False).read_index() == (entries, settings, {"c": "no such file"})
 
 
 def test_folders_that_are_no_store_are_refused(tmp_path: Path) -> None:
@@ -184,6 +184,6 @@ def test_folders_that_are_no_store_are_refused(tmp_path: Path) -> None:
 
 
 def test_a_store_of_another_format_is_refused(root: Path) -> None:
-    write_group(root, {"qgeo_collection": {"format": 99, "shapes": [], "settings": None}})
+    write_group(root, {"qgeo_collection": {"format": 99}})
     with pytest.raises(ParameterError, match=r"is a collection of format 99, and this version .* reads format 1"):
         Store(root)
