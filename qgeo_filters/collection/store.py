@@ -40,7 +40,7 @@ from qgeo_filters.errors import ParameterError
 from qgeo_filters.surface import Surface
 
 _MARK = "qgeo_collection"
-_FOLDERS = ("surfaces", "shapes", "pairs", UNFINISHED)
+_FOLDERS = ("surfaces", "shapes", "pairs", "matrices", UNFINISHED)
 _ADVICE = "choose another folder, or delete it"
 
 

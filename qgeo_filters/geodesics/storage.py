@@ -20,6 +20,9 @@ from qgeo_filters.parallel import GROUP, run_tasks
 
 _KEY = "qgeo_distance_matrix"
 
+#: Takes the groups that are missing, and what is to be called with each that is done.
+Runner = Callable[[list[int], Callable[[int], None]], None]
+
 
 def stored_matrix(
     path: Path,
@@ -28,12 +31,14 @@ def stored_matrix(
     accuracy: float,
     workers: int | None,
     progress: bool,
+    run: Runner | None = None,
 ) -> Any:
     """Complete distance matrix as a Zarr array at the path, begun or continued there.
 
     One chunk is one row: sources are taken in groups that lie together on the surface, whatever their
     numbers, and a chunk is written once, whole, and put in place by renaming. After its rows, a group is
-    marked in the array's attributes; a kill costs the groups then at work, one a thread.
+    marked in the array's attributes; a kill costs the groups then at work, one a thread. ``run`` has `write_rows`
+    called for each group by others: processes, a cluster.
     """
     zarr = require_package("zarr", "zarr", "distance_matrix(out=...)")
     n = mesh.n_vertices
@@ -56,26 +61,16 @@ def stored_matrix(
     if free < missing:
         raise OSError(errno.ENOSPC, f"{path} needs {missing / 1e9:.3g} GB more, the disk has {free / 1e9:.3g} GB free")
 
-    def task(first: int) -> None:
-        sources = order[first : first + GROUP]
-        rows = np.empty((len(sources), n), np.float32)
-        solver.distances_into(rows, np.arange(len(sources)), sources)
-        for source, row in zip(sources.tolist(), rows, strict=True):
-            write_chunk(_row(path, source), row)
-
     def finished(first: int) -> None:
         done[first // GROUP] = True
         array.attrs[_KEY] = {**state, "done": np.packbits(done).tobytes().hex()}
 
+    left = [first for first, ready in zip(groups, done, strict=True) if not ready]
     try:
-        run_tasks(
-            task,
-            [g for g, ready in zip(groups, done, strict=True) if not ready],
-            workers,
-            progress,
-            finished,
-            int(done.sum()),
-        )
+        if run is not None:
+            run(left, finished)
+        else:
+            run_tasks(lambda first: write_rows(path, solver, first), left, workers, progress, finished, int(done.sum()))
     except OSError as error:
         share = f"{int(done.sum())} of {len(groups)} groups of rows are written"
         if error.errno in (errno.ENOSPC, errno.EDQUOT):
@@ -86,6 +81,15 @@ def stored_matrix(
             error.errno, f"cannot write {path} ({error.strerror}): {share}; call again to continue"
         ) from error
     return array
+
+
+def write_rows(path: Path, solver: DistanceSolver, first: int) -> None:
+    """Compute the rows of a group of sources, from this place on in the solver's order, and put them in place."""
+    sources = solver.source_order[first : first + GROUP]
+    rows = np.empty((len(sources), len(solver.source_order)), np.float32)
+    solver.distances_into(rows, np.arange(len(sources)), sources)
+    for source, row in zip(sources.tolist(), rows, strict=True):
+        write_chunk(_row(path, source), row)
 
 
 def write_chunk(path: Path, row: np.ndarray) -> None:

@@ -14,12 +14,13 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from conftest import ROOT
 from small_collection import QUICK, poses
 
 import qgeo_filters as qg
-from qgeo_filters.collection import records, tasks
+from qgeo_filters.collection import matrices, records, tasks
 from qgeo_filters.collection.engines import run_chunks
 from qgeo_filters.errors import ParameterError, WorkersLostError
 
@@ -119,6 +120,33 @@ def test_threads_and_this_process(store: Path, expected: Any) -> None:
     assert list(run_chunks(threads_of, [], workers=2)) == []
 
 
+def test_blocks_of_a_distance_matrix(store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bit for bit that of `distance_matrix`, whoever computes them; what is there is not computed again."""
+    collection = qg.Collection.open(store)
+    surface = collection.surface("p1")
+    expected = qg.distance_matrix(surface)
+    rows, groups = matrices.write_rows, []
+
+    def some(path: Path, solver: Any, first: int) -> None:
+        if len(groups) == 2:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        groups.append(first)
+        rows(path, solver, first)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(matrices, "write_rows", some)
+        with pytest.raises(OSError, match="the disk is full: 0 of 3 groups"):
+            collection.distance_matrix("p1", workers=1)
+    found = collection.distance_matrix("p1", workers=2, backend="threading")
+    np.testing.assert_array_equal(found[...], expected, strict=True)
+    monkeypatch.setattr(matrices, "write_rows", lambda *_: pytest.fail("computed again"))
+    assert collection.distance_matrix("p1").path == found.path
+    spectrum = qg.distance_spectrum(surface, 5, "cartesian", matrix=found)
+    np.testing.assert_array_equal(
+        spectrum.eigenvalues, qg.distance_spectrum(surface, 5, "cartesian", matrix=expected).eigenvalues
+    )
+
+
 def test_a_full_disk_ends_the_run_and_keeps_what_is_finished(
     store: Path, expected: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -165,8 +193,11 @@ def test_a_cluster_with_workers_killed_and_one_that_goes_away(store: Path, expec
         pandas.testing.assert_frame_equal(collection.table(), expected, check_exact=True)
         assert collection.problems == ()
         with distributed.Client(local) as client:  # the caller's own stays open; and all is there already
-            collection.match(scheduler=client)
+            matrix = collection.match(scheduler=client).distance_matrix("p3", curvature_weight=0.1, scheduler=client)
             assert client.status == "running"
+        surface = collection.surface("p3")
+        plain_matrix = qg.distance_matrix(surface, qg.lifted_metric(surface, curvature_weight=0.1))
+        np.testing.assert_array_equal(matrix[...], plain_matrix, strict=True)
         closer = threading.Thread(target=lambda: (wait_for_pairs(again, 1), local.close()))
         closer.start()
         with pytest.raises(WorkersLostError, match=r"the cluster went away .*what was finished is kept"):
