@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.spatial.distance import cdist
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import ParameterError
@@ -58,7 +59,7 @@ def spectral_distances(measure: str, eigenvalues: Sequence[FloatArray]) -> Float
         if len(values):
             chosen = values[start : start + count]
             row[:] = chosen / np.arange(1, count + 1) if start else chosen / np.linalg.norm(chosen)
-    return np.asarray(np.linalg.norm(rows[:, None] - rows[None], axis=2))
+    return np.asarray(cdist(rows, rows), dtype=np.float64)
 
 
 def c_xy_by_vertex_order(shapes: Sequence[PreparedShape], names: Sequence[str]) -> FloatArray:
