@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters._typing import FloatArray, IndexArray, IntArray
 from qgeo_filters.missing_values import with_missing
+from qgeo_filters.validation import frozen
 
 _SIDES = ((0, 1), (1, 2), (2, 0))
 
@@ -37,6 +38,19 @@ class BarycentricMap:
         return cls(
             np.full(count, -1, dtype=np.int64), np.full((count, 3), -1, dtype=np.int64), np.full((count, 3), np.nan)
         )
+
+    @classmethod
+    def at_vertices(cls, vertices: IndexArray, faces: IntArray, count: int) -> BarycentricMap:
+        """Vertices (n_x,) of Y, which has so many, as corners of its triangles; no point for -1, and for loose ones."""
+        face_of = np.full(count, -1, dtype=np.int64)
+        face_of[faces.ravel()] = np.repeat(np.arange(len(faces)), 3)
+        place = cls.unknown(len(vertices))
+        known = vertices >= 0
+        place.faces[known] = face_of[vertices[known]]
+        known &= place.faces >= 0
+        place.corners[known] = faces[place.faces[known]]
+        place.coordinates[known] = place.corners[known] == vertices[known, None]
+        return cls(frozen(place.faces), frozen(place.corners), frozen(place.coordinates))
 
     @property
     def nearest_corner(self) -> IndexArray:

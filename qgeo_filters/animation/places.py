@@ -15,7 +15,7 @@ from qgeo_filters.errors import ParameterError
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.surface import Surface
-from qgeo_filters.validation import checked_indices, frozen
+from qgeo_filters.validation import checked_indices
 
 #: What this floor takes for a map: a match in either direction; for each vertex of Y a point of X, or a vertex.
 MapLike: TypeAlias = MatchResult | BarycentricMap | npt.ArrayLike
@@ -59,7 +59,7 @@ def places_on(x: Surface, y: Surface, correspondence: MapLike | None, accept_uns
         raise ParameterError(
             f"correspondence must hold a vertex of X for each of the {y.n_vertices} of Y, got {len(vertices)}"
         )
-    return Places(_checked(x, y, _at_vertices(x, vertices)))
+    return Places(_checked(x, y, BarycentricMap.at_vertices(vertices, x.faces, x.n_vertices)))
 
 
 def warned(doubts: Iterable[str]) -> None:
@@ -104,16 +104,3 @@ def _checked(x: Surface, y: Surface, place: BarycentricMap) -> BarycentricMap:
     if (place.faces < 0).all():
         raise ParameterError("no vertex of Y has a partner on X")
     return place
-
-
-def _at_vertices(x: Surface, vertices: npt.NDArray[np.int64]) -> BarycentricMap:
-    """The same vertices, as corners of triangles."""
-    face_of = np.full(x.n_vertices, -1, dtype=np.int64)
-    face_of[x.faces.ravel()] = np.repeat(np.arange(x.n_faces), 3)
-    known = vertices >= 0
-    place = BarycentricMap.unknown(len(vertices))
-    place.faces[known] = face_of[vertices[known]]
-    known &= place.faces >= 0
-    place.corners[known] = x.faces[place.faces[known]]
-    place.coordinates[known] = place.corners[known] == vertices[known, None]
-    return BarycentricMap(frozen(place.faces), frozen(place.corners), frozen(place.coordinates))
