@@ -63,6 +63,7 @@ def nearest_around(
     faces: IntArray,
     joined: IndexArray,
     rings: int = 2,
+    around: sparse.csr_matrix | None = None,
 ) -> BarycentricMap:
     """Nearest point to each point, (k, 3), in the rings of triangles around a vertex that is given for each, (k,).
 
@@ -72,13 +73,15 @@ def nearest_around(
         Triangles with a corner that is not finite are no triangles.
     joined : (n,) int64
         Vertices of one place, see `welded`: the rings go across seams.
+    around : (n, m) sparse matrix, optional
+        `triangles_around` of the same, where nearest points are looked for many times.
 
     Notes
     -----
     No point where the start is -1, the point is not finite, or there is no triangle around the start.
     """
-    finite = np.asarray(np.isfinite(vertices).all(axis=1))
-    around = _faces_around(joined[faces], len(vertices), finite[faces].all(axis=1), rings)
+    if around is None:
+        around = triangles_around(vertices, faces, joined, rings)
     looked = np.flatnonzero((starts >= 0) & np.isfinite(points).all(axis=1))
     count = np.diff(around.indptr)[joined[starts[looked]]]
     looked, count = looked[count > 0], count[count > 0]
@@ -97,11 +100,12 @@ def nearest_around(
     return BarycentricMap(frozen(place.faces), frozen(place.corners), frozen(place.coordinates))
 
 
-def _faces_around(faces: IndexArray, n: int, usable: Any, rings: int) -> sparse.csr_matrix:
-    """Incidence (n, m) of vertices with the usable triangles of so many rings around them."""
-    m = len(faces)
+def triangles_around(vertices: FloatArray, faces: IntArray, joined: IndexArray, rings: int = 2) -> sparse.csr_matrix:
+    """Incidence (n, m) of vertices with the triangles of so many rings around them, see `nearest_around`."""
+    n, m = len(vertices), len(faces)
+    usable = np.asarray(np.isfinite(vertices).all(axis=1))[faces].all(axis=1)
     corner = np.repeat(np.arange(m), 3)
-    incident = sparse.csr_matrix((np.repeat(usable, 3), (faces.ravel(), corner)), shape=(n, m))
+    incident = sparse.csr_matrix((np.repeat(usable, 3), (joined[faces].ravel(), corner)), shape=(n, m))
     incident.eliminate_zeros()
     around: Any = incident
     for _ in range(rings - 1):
