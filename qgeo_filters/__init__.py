@@ -24,6 +24,7 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .barycentric import BarycentricMap as BarycentricMap
     from .caching import cache as cache
     from .collection.collection import Collection as Collection
+    from .collection.remesh import remesh_like as remesh_like
     from .compilation import warmup as warmup
     from .differential.coordinates import differential_coordinates as differential_coordinates
     from .differential.curvature import PrincipalCurvatures as PrincipalCurvatures
@@ -171,6 +172,7 @@ _HOME = {
     "Animation": "animation.sequence",
     "write_animation": "report.animation_file",
     "Collection": "collection.collection",
+    "remesh_like": "collection.remesh",
     "warmup": "compilation",
     # filters
     "Filter": "filters.base",

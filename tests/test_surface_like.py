@@ -22,7 +22,7 @@ import qgeo_filters as qg
 from qgeo_filters import evaluation
 from qgeo_filters.evaluation import errors as evaluation_errors
 
-PARAMETERS = {"surface", "surfaces", "shape", "mesh", "x", "y", "x_reference"}
+PARAMETERS = {"surface", "surfaces", "shape", "template", "mesh", "x", "y", "x_reference"}
 
 SURFACE = qg.Surface(*blob(2))
 N = SURFACE.n_vertices
@@ -58,6 +58,7 @@ CASES: dict[str, Callable[[Any], Any]] = {
     "transfer_deformation": lambda m: qg.transfer_deformation(m, [OTHER], m, np.arange(N)),
     "transferred_poses": lambda m: list(qg.transferred_poses(m, [OTHER], m, np.arange(N))),
     "transfer_pose": lambda m: qg.transfer_pose(OTHER, m, np.arange(N)),
+    "remesh_like": lambda m: (qg.remesh_like(m, OTHER, np.arange(N)), qg.remesh_like(OTHER, m, np.arange(N))),
     "interpolate": lambda m: qg.interpolate(m, OTHER, 0.5),
     "PreparedShape": lambda m: (qg.PreparedShape(m).unit, qg.PreparedShape(m).areas),
     "compatibility": lambda m: qg.compatibility([m, OTHER], k=4),

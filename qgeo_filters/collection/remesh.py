@@ -1,0 +1,77 @@
+"""A shape with the triangles of another one, the template: what statistics of shapes are made of."""
+
+from __future__ import annotations
+
+from qgeo_filters.animation.places import MapLike, places_on, warned
+from qgeo_filters.animation.poses import laid_onto
+from qgeo_filters.collection.unfolding import put_onto
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_given
+from qgeo_filters.parallel import default_workers, single_threaded_blas
+from qgeo_filters.surface import Surface
+
+# Below which the template's shape is kept before it is put onto the surface, in sqrt(area): longer loses places,
+# shorter folds triangles.
+_LENGTH = 0.01
+
+
+def remesh_like(
+    template: SurfaceLike,
+    shape: SurfaceLike,
+    correspondence: MapLike | None = None,
+    *,
+    accept_unsure: bool = False,
+    workers: int | None = None,
+) -> Surface:
+    """The shape with the template's triangles: vertex i is at the same place as vertex i of the template.
+
+    Parameters
+    ----------
+    template, shape : Surface, or whatever `as_surface` takes
+        Two shapes that bend into each other, in any triangulation, position and size.
+    correspondence : MatchResult, BarycentricMap or array-like of int, shape (n,), optional
+        A match of the two, in either direction; or the point, or vertex, of the shape for each vertex of the template
+        (-1: none). By default it is found by `match`.
+    accept_unsure : bool
+        Whether a match that is not sure is used all the same, with a warning.
+    workers : int, optional
+        Threads; all cores that the process may use by default. The result does not depend on it.
+
+    Returns
+    -------
+    Surface
+        The template's n vertices, triangles and attributes, where the shape is. Each vertex with a partner lies on the
+        surface of the shape; the others are where the template bends to as rigidly as possible.
+
+    Raises
+    ------
+    ParameterError
+        A correspondence that is not sure, reverses the orientation, or is one of other shapes.
+    MeshError
+        Shapes that cannot be matched.
+
+    Warns
+    -----
+    UserWarning
+        A match that is not sure; triangles that are turned over on the surface, where the map folds or the template is
+        much coarser than the shape.
+
+    Notes
+    -----
+    A map that is right to within an edge or two folds small triangles. So the template is brought onto the images of
+    its vertices as rigidly as possible (`posed`) and put onto the surface near these images (`put_onto`), where folds
+    that are left are evened out.
+
+    Examples
+    --------
+    >>> same = qg.remesh_like("template.ply", "scan.ply")
+    >>> np.linalg.norm(same.vertices - template.vertices, axis=1)  # vertex by vertex
+    """
+    with default_workers(workers), single_threaded_blas:
+        body, target = as_given(template, "auto")[0], as_given(shape, "auto")[0]
+        places = places_on(target, body, correspondence, accept_unsure)
+        laid = body.with_vertices(laid_onto(body, target, places, _LENGTH))
+        vertices, turned = put_onto(laid, target, places.on_x.nearest_corner)
+    warned(places.doubts)
+    if turned.size:
+        warned([f"{turned.size} of {body.n_faces} triangles are turned over on the surface, the first is {turned[0]}"])
+    return body.with_vertices(vertices)
