@@ -14,6 +14,7 @@ from qgeo_filters.evaluation.errors import (
 )
 from qgeo_filters.evaluation.pair_datasets import PartialDataset, Shrec19, TopKids
 from qgeo_filters.evaluation.processes import measured_in_processes
+from qgeo_filters.evaluation.retrieval import Retrieval, retrieval_scores
 from qgeo_filters.evaluation.runner import PairFailure, PairStore, by_target, measured
 from qgeo_filters.evaluation.tables import PairResult, Row, markdown, rows_by_category
 from qgeo_filters.evaluation.template_datasets import Dt4d, SplitDataset, VtsDataset
@@ -34,6 +35,7 @@ __all__ = [
     "PartialDataset",
     "PointMap",
     "Published",
+    "Retrieval",
     "Row",
     "Shrec19",
     "Source",
@@ -53,6 +55,7 @@ __all__ = [
     "measured_in_processes",
     "mirrored",
     "read_vts",
+    "retrieval_scores",
     "rows_by_category",
     "symmetric_errors",
 ]
