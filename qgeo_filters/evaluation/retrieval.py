@@ -67,12 +67,13 @@ def retrieval_scores(distances: Any, groups: Mapping[str, Hashable] | Sequence[H
     known = [score for score in scores if score is not None]
     if not known:
         raise ParameterError("no group has two shapes: there is nothing to be found")
-    return Retrieval(*np.mean(known, axis=0).tolist(), len(known))
+    first, second, third, precision = np.mean(known, axis=0).tolist()
+    return Retrieval(first, second, third, precision, len(known))
 
 
 def _square(distances: Any) -> FloatArray:
     index, columns = getattr(distances, "index", None), getattr(distances, "columns", None)
-    if columns is not None and list(index) != list(columns):
+    if index is not None and columns is not None and list(index) != list(columns):
         raise ParameterError("the columns of the distances must have the names of the rows, in the same order")
     square = np.asarray(distances, dtype=np.float64)
     if square.ndim != 2 or square.shape[0] != square.shape[1]:

@@ -57,7 +57,7 @@ def plot_dendrogram(distances: Any, groups: Groups | None = None, *, label: str 
             tree, labels=names, orientation="left", ax=axes, color_threshold=0.0, above_threshold_color="0.45",
             leaf_font_size=min(9.0, 9.0 * _LABELLED / len(names)),
         )  # fmt: skip
-        order = [names[leaf] for leaf in found["leaves"]]
+        order = [names[leaf] for leaf in found["leaves"] or ()]
         for text, name in zip(axes.get_yticklabels(), order, strict=True):
             text.set_color(colors.of_name(name))
         axes.spines["left"].set_visible(False)
@@ -101,8 +101,8 @@ def plot_embedding(
         for number, group in enumerate(colors.groups or ("",)):
             chosen = [i for i, name in enumerate(names) if not colors.groups or colors.group_of[name] == group]
             axes.scatter(
-                *places[chosen].T, 34, color=colors.color(number), marker=colors.marker(number), linewidths=0.4,
-                edgecolors="white", zorder=2,
+                places[chosen, 0], places[chosen, 1], 34, color=colors.color(number), marker=colors.marker(number),
+                linewidths=0.4, edgecolors="white", zorder=2,
             )  # fmt: skip
         if labelled or (labelled is None and len(names) <= _LABELLED):
             for name, place in zip(names, places, strict=True):
@@ -131,7 +131,7 @@ def plot_heat_map(
     """
     names, square = _named_square(distances, complete=False)
     colors = _GroupColors.of(names, groups)
-    order = np.arange(len(names))
+    order: npt.NDArray[np.integer] = np.arange(len(names))
     if ordered and len(names) > 2:
         both = np.fmin(square, square.T)  # one way may be known only
         order = leaves_list(_tree(np.where(np.isnan(both), 2 * np.nanmax(np.r_[both.ravel(), 0.0]), both)))
