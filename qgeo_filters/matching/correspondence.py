@@ -178,7 +178,7 @@ def match(
         _next(bar, "register")
         dense = finished(problem.with_mirrored_y() if choice.mirrored else problem, choice.decision.dense)
         _next(bar, "matched")
-        found = _described(problem, choice, dense, mirror)
+        found = described(problem, choice, dense, mirror)
         if partial == "auto" and mirror != "yes" and landmarks is None and labels is None:
             found = better_as_part(problem, found)
         result = match_on_given(found, problem.x, problem.y)
@@ -190,7 +190,8 @@ def _next(bar: tqdm, stage: str) -> None:
     bar.set_description(stage)
 
 
-def _described(problem: MatchProblem, choice: Found, dense: DenseMap, mirror: MirrorOption) -> MatchResult:
+def described(problem: MatchProblem, choice: Found, dense: DenseMap, mirror: MirrorOption) -> MatchResult:
+    """What is known of a map that was chosen and registered to the end, on the repaired shapes."""
     x, y, decision, mirrored = problem.x, problem.y, choice.decision, choice.mirrored
     full = at_full_resolution(problem.with_mirrored_y() if mirrored else problem, dense)
     p2p = full.p2p
