@@ -45,29 +45,38 @@ def synchronised_maps(
     space, among images that are near each other if most maps are right.
     """
     checked = checked_maps(shapes, maps)
-    trust = np.exp(-np.nan_to_num(consistency.inconsistency, nan=0.0) / _TRUSTED)
     found = {}
     for y, target in shapes.items():
         vertices, faces = target.vertices, target.faces
         joined, _ = welded(vertices, faces)
         around = triangles_around(vertices, faces, joined)
         for x in shapes:
-            ways = list(_ways(x, y, consistency.names, checked, trust, target)) if x != y else []
+            ways = list(_ways(x, y, consistency, checked, target)) if x != y else []
             if ways:
                 points, starts = _middle(ways, np.sqrt(target.area))
                 found[x, y] = nearest_around(points, starts, vertices, faces, joined, around=around)
     return found
 
 
+def synchronised_map(
+    x: str, y: str, shapes: Mapping[str, Surface], maps: Maps, consistency: CycleConsistency
+) -> BarycentricMap | None:
+    """One of `synchronised_maps`; None where there is no way from x to y."""
+    needed = {pair: place for pair, place in maps.items() if pair[0] == x or pair[1] == y}
+    target = shapes[y]
+    ways = list(_ways(x, y, consistency, checked_maps(shapes, needed), target))
+    if not ways:
+        return None
+    points, starts = _middle(ways, np.sqrt(target.area))
+    return nearest_around(points, starts, target.vertices, target.faces, welded(target.vertices, target.faces)[0])
+
+
 def _ways(
-    x: str,
-    y: str,
-    names: tuple[str, ...],
-    maps: Mapping[Pair, BarycentricMap],
-    trust: FloatArray,
-    target: Surface,
+    x: str, y: str, consistency: CycleConsistency, maps: Mapping[Pair, BarycentricMap], target: Surface
 ) -> Iterator[tuple[float, FloatArray, IndexArray]]:
     """Trust in each way from x to y, images (n_x, 3), and the vertices near them."""
+    names = consistency.names
+    trust = np.exp(-np.nan_to_num(consistency.inconsistency, nan=0.0) / _TRUSTED)
     i, j = names.index(x), names.index(y)
     if (x, y) in maps:
         place = maps[x, y]
