@@ -1,0 +1,121 @@
+"""Errors of all maps of a category before and after synchronisation, and which pairs were found wrong, as Markdown.
+
+    python benchmarks/consistent_maps.py ROOT --category victoria --store DIR
+
+ROOT as for ``matching.py``. Each pair is matched once, the map back being that of the same match; finished matches are
+kept in DIR. Rows: maps as they were matched; after wrong pairs were matched again (`mended_maps`); along the tree of
+least inconsistency; through the shape that disagrees least; the middle of all ways (`synchronised_maps`), of the maps
+as matched and of the mended ones. Errors are direct, in units of sqrt(area), at nearest vertices; "wrong" is a mean
+above .1; "better" is the share of the maps with a lower error than as matched.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+from geodesics_common import machine
+
+import qgeo_filters as qg
+from qgeo_filters.barycentric import BarycentricMap
+from qgeo_filters.collection.composition import Pair
+from qgeo_filters.collection.cycles import cycle_consistency
+from qgeo_filters.collection.mending import mended_maps
+from qgeo_filters.collection.spanning_tree import spanning_tree, template_maps, tree_maps
+from qgeo_filters.collection.synchronisation import synchronised_maps
+from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
+
+WRONG = 0.1
+
+
+def matched(data: ToscaRemeshed, names: list[str], store: Path) -> dict[Pair, BarycentricMap]:
+    """Maps in both directions of each pair, from the store or matched now."""
+    store.mkdir(parents=True, exist_ok=True)
+    prepared: dict[str, qg.PreparedShape] = {}
+    maps = {}
+    for x, y in combinations(sorted(names), 2):
+        file = store / f"{x}-{y}.npz"
+        if not file.is_file():
+            for name in (x, y):
+                if name not in prepared:
+                    prepared[name] = qg.PreparedShape(data.read(name))
+            qg.match(prepared[x], prepared[y]).to_npz(file)
+        found = qg.MatchResult.from_npz(file)
+        maps[x, y], maps[y, x] = found.barycentric, found.inverse_barycentric
+    return maps
+
+
+def errors(
+    data: ToscaRemeshed, names: list[str], shapes: dict[str, qg.Surface], rows: dict[str, dict[Pair, BarycentricMap]]
+) -> dict[str, dict[Pair, float]]:
+    """Mean error of each map of each row."""
+    found: dict[str, dict[Pair, float]] = {row: {} for row in rows}
+    for y in names:
+        matrix = qg.distance_matrix(shapes[y])
+        for x in names:
+            if x != y:
+                truth = data.truth(x, y)
+                for row, maps in rows.items():
+                    images = maps[x, y].nearest_corner[truth.points]
+                    found[row][x, y] = float(geodesic_error(images, truth.images, shapes[y], matrix=matrix).mean())
+    return found
+
+
+def main() -> None:
+    """Print the table, and a line for each pair that was found wrong, or was wrong and not found."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("root")
+    parser.add_argument("--category", default="victoria")
+    parser.add_argument("--store", type=Path, required=True)
+    arguments = parser.parse_args()
+    data = ToscaRemeshed(arguments.root)
+    names = data.names(arguments.category)
+    shapes = {name: data.read(name) for name in names}
+    maps = matched(data, names, arguments.store)
+    started = time.process_time()
+    consistency = cycle_consistency(shapes, maps)
+    print(f"<!-- cycles: {time.process_time() - started:.0f} CPU s -->", flush=True)
+    mended, report = mended_maps(shapes, maps, consistency)
+    print(f"<!-- and mending: {time.process_time() - started:.0f} CPU s -->", flush=True)
+    tree = spanning_tree(names, dict(consistency.ranked()))
+    middle = names[int(np.nanmean(consistency.inconsistency, axis=1).argmin())]
+    rows = {
+        "as matched": maps,
+        "wrong pairs matched again": mended,
+        "along the tree": tree_maps(shapes, maps, tree),
+        f"through {middle}": template_maps(shapes, maps, middle),
+        "middle of all ways": synchronised_maps(shapes, maps, consistency),
+    }
+    print(f"<!-- and all else: {time.process_time() - started:.0f} CPU s -->", flush=True)
+    found = errors(data, names, shapes, rows)
+    print(f"{machine()}; {arguments.category}, {len(maps)} maps\n")
+    print("| maps | mean | median | worst | wrong | better |")
+    print("| --- | ---: | ---: | ---: | ---: | ---: |")
+    before = np.array(list(found["as matched"].values()))
+    for row, of in found.items():
+        values = np.array(list(of.values()))
+        better = f"{100 * (values < before).mean():.0f} %" if row != "as matched" else ""
+        print(
+            f"| {row} | {values.mean():.4f} | {np.median(values):.4f} | {values.max():.4f} | "
+            f"{int((values > WRONG).sum())} | {better} |"
+        )
+    print()
+    for pair in report:
+        key = pair.x, pair.y
+        print(
+            f"- {pair.x}-{pair.y}: inconsistency {pair.inconsistency:.3f}, error {found['as matched'][key]:.4f}; "
+            f"{'mended' if pair.mended else 'named'}: {pair.explanation}, {pair.dearer:.2f} times the cost; "
+            f"error {found['wrong pairs matched again'][key]:.4f}"
+        )
+    named = {frozenset((pair.x, pair.y)) for pair in report}
+    missed = [k for k, error in found["as matched"].items() if error > WRONG and frozenset(k) not in named]
+    print(f"- wrong and not found: {', '.join('-'.join(k) for k in missed) or 'none'}")
+    right = [gap for pair, gap in consistency.ranked() if frozenset(pair) not in named]
+    print(f"- largest inconsistency of the others: {max(right):.4f}")
+
+
+if __name__ == "__main__":
+    main()
