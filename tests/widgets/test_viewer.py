@@ -168,7 +168,7 @@ def test_closing_frees_every_widget_and_the_surface(counted):
     assert alive() is None
 
 
-def test_no_more_than_two_canvases(pair):
+def test_no_more_canvases_than_browsers_keep(pair):
     x = pair[0]
-    with pytest.raises(ValueError, match="one or two canvases"):
-        Viewer([x] * 3, [placement_of(x)] * 3, (300, 200), ["a", "b", "c"])
+    with pytest.raises(ValueError, match="1 to 12 canvases"):
+        Viewer([x] * 13, [placement_of(x)] * 13, (300, 200), ["a"] * 13)

@@ -12,16 +12,19 @@ from typing import TYPE_CHECKING, Any
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import numpy.typing as npt
 
     from qgeo_filters.differential.scalar import Scalar
     from qgeo_widgets.animate_widget import AnimateWidget
+    from qgeo_widgets.collection_widget import CollectionWidget
     from qgeo_widgets.compare_widget import CompareWidget
     from qgeo_widgets.geodesics_widget import GeodesicsWidget
     from qgeo_widgets.matrix_widget import MatrixWidget
     from qgeo_widgets.symmetry_widget import SymmetryWidget
 
-__all__ = ["animate", "compare", "geodesics", "matrix", "symmetry"]
+__all__ = ["animate", "collection", "compare", "geodesics", "matrix", "symmetry"]
 
 
 def animate(
@@ -57,6 +60,36 @@ def animate(
     from qgeo_widgets.animate_widget import AnimateWidget
 
     return AnimateWidget(animation, size=size, seconds=seconds, attribute=attribute)
+
+
+def collection(
+    shapes: Mapping[str, Any],
+    maps: Mapping[str, Any],
+    *,
+    template: str | None = None,
+    page: int = 1,
+    size: tuple[int, int] = (260, 240),
+) -> CollectionWidget:
+    """Widget of many shapes in one colouring, whose views turn together: click a point and see it on all.
+
+    Parameters
+    ----------
+    shapes : mapping of name to mesh object
+        What `qgeo_filters.as_surface` takes.
+    maps : mapping of name to array-like of int (n,), or BarycentricMap
+        The vertex (-1: none), or point, of the template for each vertex of each other shape: what is carried is carried
+        from there.
+    template : str, optional
+        Whose colours and points are carried to the others; the first shape by default.
+    page : int
+        Browsers draw about 16 pictures of this kind at once, so that 12 shapes are shown, the template first: page 1
+        has the template and the first 11 others.
+    size : (int, int)
+        Width and height of each canvas in pixels.
+    """
+    from qgeo_widgets.collection_widget import CollectionWidget
+
+    return CollectionWidget(shapes, maps, template=template, page=page, size=size)
 
 
 def compare(

@@ -1,4 +1,4 @@
-"""The one class behind which pythreejs hides: up to two pictures of surfaces under one camera."""
+"""The one class behind which pythreejs hides: a few pictures of surfaces under one camera."""
 
 from __future__ import annotations
 
@@ -21,6 +21,8 @@ from qgeo_widgets.pane import Pane
 from qgeo_widgets.scene_placement import ScenePlacement
 
 FIELD_OF_VIEW = 26.0
+# Each canvas is a WebGL context, of which browsers keep about 16 and drop the oldest beyond.
+MOST_CANVASES = 12
 
 
 class Viewer:
@@ -32,7 +34,7 @@ class Viewer:
     Parameters
     ----------
     surfaces, placements : sequence of Surface and of ScenePlacement
-        One or two.
+        At least one, at most 12.
     size : (int, int)
         Of each canvas, in pixels.
     titles : sequence of str
@@ -48,8 +50,8 @@ class Viewer:
         titles: Sequence[str],
         motions: Sequence[Motion] = (),
     ) -> None:
-        if not 1 <= len(surfaces) <= 2:
-            raise ParameterError(f"a viewer has one or two canvases, not {len(surfaces)}")
+        if not 1 <= len(surfaces) <= MOST_CANVASES:
+            raise ParameterError(f"a viewer has 1 to {MOST_CANVASES} canvases, not {len(surfaces)}")
         slope = float(np.tan(np.radians(FIELD_OF_VIEW / 2)))
         if motions:
             radius, distance = np.max([motion.reach(slope, size[0] / size[1]) for motion in motions], axis=0).tolist()
