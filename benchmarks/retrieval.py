@@ -44,7 +44,7 @@ def dna_of_lapy(shape: Surface) -> np.ndarray:
 
 def gamma(shape: Surface) -> np.ndarray:
     """Eigenvalues of the quasi-geodesic distances of the unit-area shape, (20,)."""
-    return qg.distance_spectrum(shape, GAMMA).eigenvalues / shape.area**1.5
+    return qg.distance_spectrum(shape, GAMMA, repair=True).eigenvalues / shape.area**1.5
 
 
 def by_relative_difference(rows: np.ndarray) -> np.ndarray:
