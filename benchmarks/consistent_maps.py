@@ -4,8 +4,8 @@
 
 ROOT as for ``matching.py``. Each pair is matched once, the map back being that of the same match; finished matches are
 kept in DIR. Rows: maps as they were matched; after wrong pairs were matched again (`mended_maps`); along the tree of
-least inconsistency; through the shape that disagrees least; the middle of all ways (`synchronised_maps`), of the maps
-as matched and of the mended ones. Errors are direct, in units of sqrt(area), at nearest vertices; "wrong" is a mean
+least inconsistency; through the shape that disagrees least; the middle of all ways (`synchronised_maps`) of the
+maps as matched. Errors are direct, in units of sqrt(area), at nearest vertices; "wrong" is a mean
 above .1; "better" is the share of the maps with a lower error than as matched.
 """
 
