@@ -73,6 +73,7 @@ FLOORS: list[list[str]] = [
     ["compilation"],  # compiles the kernels of all floors below
     ["qgeo_filters"],  # the names that users see, each loaded when it is asked for
     ["cli"],
+    ["__main__"],
     ["qgeo_widgets"],
 ]
 

@@ -11,9 +11,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from qgeo_filters._typing import MirrorOption, PartialOption, RepairOption
+from qgeo_filters.collection.consistent import Consistent
 from qgeo_filters.collection.matrices import Matrices
 from qgeo_filters.collection.members import Groups, Problem, Shapes, groups_of, named_shapes, path_of
-from qgeo_filters.collection.results import Results
 from qgeo_filters.collection.runs import Runs
 from qgeo_filters.collection.settings import Settings, surface_key
 from qgeo_filters.collection.store import Entry, Store
@@ -22,7 +22,7 @@ from qgeo_filters.hosts.dispatch import as_given
 from qgeo_filters.matching.parameters import MatchingParameters
 
 
-class Collection(Runs, Results, Matrices):
+class Collection(Runs, Consistent, Matrices):
     """Shapes with names, all that is known of them and of their pairs, in a store that outlives the process.
 
     Parameters

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import functools
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,7 +59,7 @@ def mended_maps(
     consistency: CycleConsistency,
     *,
     tolerance: float = TOLERANCE,
-    prepared: Mapping[str, PreparedShape] | None = None,
+    prepared: Callable[[str], PreparedShape] | None = None,
     workers: int | None = None,
 ) -> tuple[dict[Pair, BarycentricMap], list[MendedPair]]:
     """The maps with wrong ones matched again from the composed maps, and what became of each.
@@ -71,8 +72,8 @@ def mended_maps(
         Of these maps.
     tolerance : float
         Above which a pair is wrong, and within which a mended map must agree with the others, in sqrt(area).
-    prepared : mapping of name to PreparedShape, optional
-        Of the same surfaces, where they are at hand.
+    prepared : callable, optional
+        Gives the prepared shape of a name, where they are at hand; each of a wrong pair is asked for once.
     workers : int, optional
 
     Returns
@@ -88,10 +89,10 @@ def mended_maps(
     chose the wrong one, and only keep out what strains or tears beyond that.
     """
     found = checked_maps(shapes, maps)
-    ready = dict(prepared or {})
+    shape_of = functools.cache(prepared or (lambda name: PreparedShape(shapes[name])))
     report = []
     for x, y in consistency.wrong(tolerance):
-        pair, forth, back = _mended(x, y, shapes, found, consistency, tolerance, ready, workers)
+        pair, forth, back = _mended(x, y, shapes, found, consistency, tolerance, shape_of, workers)
         report.append(pair)
         if forth is not None and back is not None:
             found |= {(x, y): forth, (y, x): back}
@@ -105,7 +106,7 @@ def _mended(
     maps: dict[Pair, BarycentricMap],
     consistency: CycleConsistency,
     tolerance: float,
-    prepared: dict[str, PreparedShape],
+    shape_of: Callable[[str], PreparedShape],
     workers: int | None,
 ) -> tuple[MendedPair, BarycentricMap | None, BarycentricMap | None]:
     def failed(why: str) -> tuple[MendedPair, None, None]:
@@ -117,11 +118,8 @@ def _mended(
         return failed("there is no way from one to the other through a third shape")
     rival = maps.get((x, y))
     try:
-        for name in (x, y):
-            if name not in prepared:
-                prepared[name] = PreparedShape(shapes[name])
         given = None if rival is None else rival.nearest_corner
-        new = match_from(prepared[x], prepared[y], start.nearest_corner, rival=given, workers=workers)
+        new = match_from(shape_of(x), shape_of(y), start.nearest_corner, rival=given, workers=workers)
     except QgeoError as error:
         return failed(reason(error))
     some = farthest_in_embedding(shapes[x].vertices, min(_POINTS, shapes[x].n_vertices))

@@ -1,0 +1,161 @@
+"""What the maps of a collection say together: which contradict the others, consistent maps, one connectivity."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.barycentric import BarycentricMap
+from qgeo_filters.collection.common import CommonShapes, common_shapes
+from qgeo_filters.collection.composition import Pair
+from qgeo_filters.collection.cycles import TOLERANCE, CycleConsistency, cycle_consistency
+from qgeo_filters.collection.landmarks import landmark_table, landmarks_on_all
+from qgeo_filters.collection.mending import MendedPair, mended_maps
+from qgeo_filters.collection.results import Results
+from qgeo_filters.collection.spanning_tree import spanning_tree, template_maps, tree_maps
+from qgeo_filters.collection.synchronisation import synchronised_map, synchronised_maps
+from qgeo_filters.collection.tasks import PROBLEM
+from qgeo_filters.errors import ParameterError, require_package
+from qgeo_filters.io.landmarks import Landmarks
+from qgeo_filters.surface import Surface
+
+#: Which maps: as they were matched, or such as agree with each other.
+How = Literal["matched", "mended", "tree", "template", "all ways"]
+_HOWS = ("matched", "mended", "tree", "template", "all ways")
+
+
+class Consistent(Results):
+    """Shapes and pairs whose maps are looked at together."""
+
+    def surfaces(self) -> dict[str, Surface]:
+        """The meshes of all shapes, by name."""
+        return {name: self.surface(name) for name in self.names}
+
+    def maps(self, how: How = "matched", *, template: str | None = None) -> dict[Pair, BarycentricMap]:
+        """Maps between shapes, as points in triangles.
+
+        Parameters
+        ----------
+        how : {"matched", "mended", "tree", "template", "all ways"}
+            As they were matched, that from y to x of the same match where there is no other; with those that contradict
+            all others matched again (`mended`); along the tree of the pairs that contradict the others least; through a
+            template; or the middle of all ways through a third shape, see `synchronised_maps`, which had the least
+            error in benchmarks/README.md, "Consistent maps".
+        template : str, optional
+            For "template"; by default the shape that contradicts the others least.
+
+        Raises
+        ------
+        ParameterError
+            Pairs that are not matched, but needed: which.
+        """
+        _checked(how)
+        surfaces, matched = self.surfaces(), self._matched()
+        if how == "matched":
+            return matched
+        consistency = cycle_consistency(surfaces, matched)
+        if how == "mended":
+            return mended_maps(surfaces, matched, consistency, prepared=self.shape)[0]
+        if how == "tree":
+            return tree_maps(surfaces, matched, spanning_tree(self.names, dict(consistency.ranked())))
+        if how == "template":
+            return template_maps(surfaces, matched, template or _middle(consistency))
+        return synchronised_maps(surfaces, matched, consistency)
+
+    def consistency(self) -> CycleConsistency:
+        """How far each map contradicts those through a third shape; takes three shapes, all of them matched."""
+        return cycle_consistency(self.surfaces(), self._matched())
+
+    def mended(self, *, tolerance: float = TOLERANCE) -> tuple[dict[Pair, BarycentricMap], list[MendedPair]]:
+        """The maps with wrong ones matched again from where all others say, and what became of each wrong pair."""
+        surfaces, matched = self.surfaces(), self._matched()
+        consistency = cycle_consistency(surfaces, matched)
+        return mended_maps(surfaces, matched, consistency, tolerance=tolerance, prepared=self.shape)
+
+    def common(self, template: str, *, how: How = "matched", accept_unsure: bool = False) -> CommonShapes:
+        """All shapes with the triangles of one of them, for means, modes and statistics, see `remesh_like`.
+
+        Parameters
+        ----------
+        template : str
+            Name of a shape.
+        how : str
+            Which maps, see `maps`; as matched, the template is matched with each shape now where it was not.
+        accept_unsure : bool
+            Whether maps that are not sure are used, with a warning; those that agree with the others count as sure.
+
+        Raises
+        ------
+        ParameterError
+            No such shape, a map that is not sure, shapes without a way from the template.
+        """
+        if how == "matched":
+            found: Mapping[str, Any] = {name: self._match_from(template, name) for name in self._others(template)}
+        else:
+            found = self._maps_from(template, how)
+        surfaces = self.surfaces()
+        return common_shapes(surfaces[template], surfaces, found, accept_unsure=accept_unsure)
+
+    def landmarks(
+        self, landmarks: Landmarks | npt.ArrayLike, on: str, *, how: How = "matched", tolerance: float = 0.05
+    ) -> dict[str, Landmarks]:
+        """Landmarks that were placed on one shape, on all; parameters as in `common` and `landmarks_on_all`."""
+        if how == "matched":
+            maps = {name: self._place_from(on, name) for name in self._others(on)}
+        else:
+            maps = self._maps_from(on, how)
+        along = {(on, name): place for name, place in maps.items()}
+        return landmarks_on_all(landmarks, on, self.surfaces(), along, tolerance=tolerance)
+
+    def landmark_table(self, landmarks: Landmarks | npt.ArrayLike, on: str, *, how: How = "matched") -> Any:
+        """The same as a pandas DataFrame with columns shape, landmark, x, y, z; NaN where one has no image."""
+        pandas = require_package("pandas", "collections", "Collection.landmark_table")
+        return pandas.DataFrame(landmark_table(self.landmarks(landmarks, on, how=how)))
+
+    def _matched(self) -> dict[Pair, BarycentricMap]:
+        """Maps of all pairs that the store has; both ways of one match where the other way has none of its own."""
+        found: dict[Pair, BarycentricMap] = {}
+        back: dict[Pair, BarycentricMap] = {}
+        for x, y, values in self._pairs():
+            if PROBLEM not in values:
+                one = self.map(x, y)
+                found[x, y], back[y, x] = one.barycentric, one.inverse_barycentric
+        return {**back, **found}
+
+    def _maps_from(self, x: str, how: How) -> dict[str, BarycentricMap]:
+        """Maps from one shape to all others that agree with the rest."""
+        _checked(how)
+        if how == "all ways":  # no others are needed
+            surfaces, matched = self.surfaces(), self._matched()
+            consistency = cycle_consistency(surfaces, matched)
+            middle = {y: synchronised_map(x, y, surfaces, matched, consistency) for y in self._others(x)}
+            return {y: place for y, place in middle.items() if place is not None}
+        template = x if how == "template" else None
+        return {y: place for (one, y), place in self.maps(how, template=template).items() if one == x}
+
+    def _place_from(self, x: str, y: str) -> BarycentricMap:
+        found = self._match_from(x, y)
+        return found.barycentric if self._forward(x, y) else found.inverse_barycentric
+
+    def _match_from(self, x: str, y: str) -> Any:
+        """The match of two shapes in whichever direction there is one; found now where there is none."""
+        return self.map(x, y) if self._forward(x, y) else self.map(y, x)
+
+    def _forward(self, x: str, y: str) -> bool:
+        return self.store.has(self._pair_place(x, y)) or not self.store.has(self._pair_place(y, x))
+
+    def _others(self, name: str) -> list[str]:
+        self._entry(name)
+        return [other for other in self.names if other != name]
+
+
+def _checked(how: str) -> None:
+    if how not in _HOWS:
+        raise ParameterError(f"how must be one of {', '.join(map(repr, _HOWS))}, got {how!r}")
+
+
+def _middle(consistency: CycleConsistency) -> str:
+    return consistency.names[int(np.nanmean(consistency.inconsistency, axis=1).argmin())]
