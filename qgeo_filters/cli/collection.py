@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from qgeo_filters.cli.collection_common import common, landmarks
 from qgeo_filters.cli.collection_report import export, report
 from qgeo_filters.cli.errors import OneLineErrors, OneLineWarnings, to_standard_output
 from qgeo_filters.cli.options import Force, Json, Quiet, Repair, repair_option
@@ -154,6 +155,8 @@ def run(
 
 app.command(cls=OneLineWarnings)(report)
 app.command(cls=OneLineWarnings)(export)
+app.command(cls=OneLineWarnings)(landmarks)
+app.command(cls=OneLineWarnings)(common)
 
 
 def _built(

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 _TABLE, _PAGE = "table.csv", "pair_{}.html"
 _MOST_PAGES = 200
+# Shapes up to which maps are compared with those through all others: a minute or two.
+_COMPARED = 30
 _SHOWN = ("c_xy", "d_s", "distortion", "confident", "margin")
 
 
@@ -51,12 +53,12 @@ def report(
     names = _page_names(chosen)
     parameters = {"store": str(store), "pages": pages, **collection.settings.to_json()}
     settings = Settings(output, quiet, json, pictures=pictures)
-    drawn = tuple(_collection_pictures(collection))
+    drawn = _collection_pictures(collection)
     job = Job("collection report", settings, parameters, pictures=drawn, texts=(_TABLE, *names.values()))
     job.subject = f"{len(collection)} shapes in {store}"
     squares = _squares(collection)
     _save(job, collection, squares)
-    for name, (caption, draw) in _collection_pictures(collection).items():
+    for name, (caption, draw) in drawn.items():
         job.picture(name, caption, draw)
     for pair in chosen:
         with job.stage(f"{pair[0]} - {pair[1]}"):
@@ -65,10 +67,18 @@ def report(
     rows = [_row(row, names.get((row["x"], row["y"]))) for row in order.to_dict("records")]
     left = len(rows) - len(names)
     note = f"{left} pairs have no page: --pages takes more, or they cannot be matched." if left else ""
+    with job.stage("maps through third shapes"):
+        against = _contradictions(collection)
+    contradictions = Table(
+        "Maps that contradict those through other shapes, in √area",
+        against,
+        note="Collection.mended() matches them again.",
+    )
     wrong = [(problem.subject, problem.reason) for problem in collection.problems]
     job.finish(
         [
             Table("Pairs, the least sure first", rows, ("pair", *_SHOWN, "why"), note),
+            *([contradictions] if against else []),
             *([Table("Worth a look", wrong)] if wrong else []),
         ]
     )
@@ -137,15 +147,30 @@ def _save(job: Job, collection: Collection, squares: dict[str, Any]) -> None:
 
 
 def _collection_pictures(collection: Collection) -> dict[str, tuple[str, Any]]:
-    """Pictures of the whole collection: name, caption and what draws it.
+    """Pictures of the whole collection: name, caption and what draws it."""
+    from qgeo_filters.report.collection_charts import plot_dendrogram, plot_embedding, plot_heat_map
 
-    Whatever is drawn of labelled squares (dendrogram, embedding, heat map) has its place in this mapping.
-    """
-    from qgeo_filters.report.curves import plot_pairwise
-
+    groups = collection.groups if any(collection.groups.values()) else None
     square = collection.distances("c_xy")
-    caption = "C_XY of each two shapes: 0 where they have the same eigenfunctions; white: not matched."
-    return {"c_xy": (caption, applied(plot_pairwise, square.to_numpy(), list(collection.names), "C_XY (no unit)"))}
+    label = "C_XY (no unit)"
+    meaning = "C_XY of each two shapes: 0 where they have the same eigenfunctions"
+    drawn: dict[str, tuple[str, Any]] = {
+        "c_xy": (f"{meaning}; grey: not matched.", applied(plot_heat_map, square, groups, label=label))
+    }
+    if len(square) > 2 and not square.isna().to_numpy().any():
+        caption = "The shapes by C_XY: those that join early are near to each other."
+        drawn["dendrogram"] = (caption, applied(plot_dendrogram, square, groups, label=label))
+        caption = "The shapes in the plane, as far from each other as C_XY says, as well as can be."
+        drawn["embedding"] = (caption, applied(plot_embedding, square, groups, label=label))
+    return drawn
+
+
+def _contradictions(collection: Collection) -> list[tuple[str, float]]:
+    """Pairs whose map contradicts those through other shapes, and how much; none for what would take hours."""
+    if not 2 < len(collection) <= _COMPARED:
+        return []
+    consistency = collection.consistency()
+    return [(f"{x}\u00a0- {y}", consistency.of(x, y)) for x, y in consistency.wrong()]
 
 
 def _page_names(pairs: list[tuple[str, str]]) -> dict[tuple[str, str], str]:

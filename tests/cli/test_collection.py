@@ -71,6 +71,7 @@ def test_from_a_folder_to_tables_and_a_report(qgeo: Qgeo, loaded: Loaded, quick:
     assert len(links) == 2
     assert "1 pairs have no page" in page
     assert "poses/p10.off" in page
+    assert {path.stem for path in Path("report").glob("*.png")} == {"c_xy", "dendrogram", "embedding"}
     for file, title in links:
         x, y = title.replace("\u00a0", " ").split(" - ")
         own = Path("report", file).read_text(encoding="utf-8")
@@ -78,6 +79,39 @@ def test_from_a_folder_to_tables_and_a_report(qgeo: Qgeo, loaded: Loaded, quick:
         assert own.count("data:image/png;base64,") == 2
         assert '<a href="report.html">' in own
         assert html.formatted(collection.map(x, y).c_xy) in own
+
+
+def test_landmarks_and_one_connectivity_from_a_folder(qgeo: Qgeo, loaded: Loaded, quick: None) -> None:
+    """The table of a folder by one command; the second goes on with the store that the first one made."""
+    folder, marks = written(Path("poses"), 3), [3, 70]
+    own = qg.Surface.read(folder / "p1.ply")
+    qg.write_landmarks("marks.csv", qg.Landmarks(("head", "tail"), own.vertices[marks]))
+    result = qgeo("collection", "landmarks", "poses", "marks.csv", "--on", "p1", "-o", "carried", "--workers", 1)
+    assert result.exit_code == 0, result.output
+    table = pandas.read_csv("carried/landmarks.csv")
+    assert list(table.columns) == ["shape", "landmark", "x", "y", "z"]
+    assert list(table["landmark"]) == 3 * ["head", "tail"]
+    for name, rows in table.groupby("shape"):
+        shape = qg.Surface.read(folder / f"{name}.ply")
+        gaps = np.linalg.norm(rows[["x", "y", "z"]].to_numpy() - shape.vertices[marks], axis=1)
+        assert (gaps < (1e-6 if name == "p1" else 0.1 * np.sqrt(shape.area))).all()
+    content, arrays = loaded(Path("carried"))
+    assert (content["results"]["shapes"], content["results"]["without_image"]) == (3, 0)
+    assert arrays["points"].shape == (3, 2, 3)
+    assert json.loads(qgeo("collection", "status", "shapes.zarr", "--json").stdout)["matched"] == 2
+
+    asked = ("collection", "common", "shapes.zarr", "--template", "p0", "--maps", "all ways", "--workers", 1)
+    assert qgeo(*asked, "-o", "same", "-q").exit_code == 0
+    _, arrays = loaded(Path("same"))
+    for name, positions in zip(arrays["shapes"], arrays["positions"], strict=True):
+        mesh = qg.Surface.read(f"same/{name}.ply")
+        np.testing.assert_array_equal(mesh.faces, qg.Surface.read(folder / "p0.ply").faces)
+        np.testing.assert_allclose(mesh.vertices, positions, atol=1e-6)
+    assert arrays["modes"].shape == (2, len(positions), 3)
+    mean, low, high = (qg.Surface.read(f"same/{name}.ply").vertices for name in ("mean", "mode0-", "mode0+"))
+    np.testing.assert_allclose((low + high) / 2, mean, atol=1e-5)
+    result = qgeo("collection", "landmarks", "shapes.zarr", "marks.csv", "--on", "p9")
+    assert (result.exit_code, result.stderr) == (2, "qgeo: no shape is called 'p9'; there are p0, p1, p2\n")
 
 
 def test_run_is_build_and_match(qgeo: Qgeo, quick: None) -> None:

@@ -1,0 +1,175 @@
+"""``qgeo collection landmarks`` and ``common``: what is placed on one shape, on all; all with the triangles of one."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+
+from qgeo_filters.cli.options import Json, Output, Quiet, Settings
+from qgeo_filters.errors import ParameterError
+from qgeo_filters.io.landmarks import Frame
+
+if TYPE_CHECKING:
+    from qgeo_filters.collection.collection import Collection
+
+_TABLE = "landmarks.csv"
+# Pictures of the modes of variation.
+_MODES, _SIGMA = 3, 2.0
+
+Shapes = Annotated[
+    Path,
+    typer.Argument(
+        metavar="STORE", help="What build made, or a folder of meshes, of which one is made.", show_default=False
+    ),
+]
+Kept = Annotated[
+    Path, typer.Option("--store", metavar="STORE", help="Folder of the results where STORE is a folder of meshes.")
+]
+Maps = Annotated[
+    Literal["matched", "mended", "tree", "template", "all ways"],
+    typer.Option(
+        "--maps",
+        help="As matched from that shape; or such as agree with all others, for which all pairs are matched: "
+        "'all ways' is the middle of all ways through a third shape.",
+    ),
+]
+Processes = Annotated[
+    int | None,
+    typer.Option("--workers", metavar="N", help="Processes at most; all cores if left out.", show_default=False),
+]
+
+
+def landmarks(
+    store: Shapes,
+    marks: Annotated[
+        Path, typer.Argument(metavar="MARKS", help="Landmarks: .fcsv, .mrk.json, .csv, .tps, ...", show_default=False)
+    ],
+    on: Annotated[
+        str, typer.Option("--on", metavar="NAME", help="The shape that they are placed on.", show_default=False)
+    ],
+    maps: Maps = "matched",
+    frame: Annotated[
+        Frame | None,
+        typer.Option("--frame", help="Frame of the meshes: landmarks that say they are in the other one are turned."),
+    ] = None,
+    kept: Kept = Path("shapes.zarr"),
+    workers: Processes = None,
+    output: Output = None,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Carry landmarks from one shape to all: landmarks.csv with columns shape, landmark, x, y, z.
+
+    Pairs that are not matched yet are matched first. result.npz: points (m, k, 3), shapes (m,), landmarks (k,).
+    """
+    import numpy as np
+
+    from qgeo_filters.cli.job import Job
+    from qgeo_filters.collection.landmarks import write_landmark_table
+    from qgeo_filters.io.landmark_files import read_landmarks
+
+    given = read_landmarks(marks)
+    if frame is not None and given.frame is not None:
+        given = given.in_frame(frame)
+    collection = _collection(store, kept)
+    parameters = {"store": str(collection.store.root), "landmarks": str(marks), "on": on, "maps": maps, "frame": frame}
+    settings = Settings(output, quiet, json, pictures=False)
+    job = Job("collection landmarks", settings, parameters, inputs=[marks], texts=[_TABLE])
+    job.subject = f"{len(given.names)} landmarks of {on} on {len(collection)} shapes"
+    with job.stage("match"):
+        _match_from(collection, on, maps, workers, job.progress)
+    with job.stage("carry"):
+        found = collection.landmarks(given, on, how=maps)
+    points = np.stack([one.points for one in found.values()])
+    lost = int(np.isnan(points).any(axis=2).sum())
+    results: dict[str, Any] = {"shapes": len(found), "landmarks": len(given.names), "without_image": lost}
+    results["not_sure"] = _unsure(collection, on)
+    job.save(results, {"points": points, "shapes": np.array(list(found)), "landmarks": np.array(given.names)})
+    with job.file(_TABLE) as temporary:
+        write_landmark_table(temporary, found)
+    job.finish()
+
+
+def common(
+    store: Shapes,
+    template: Annotated[
+        str, typer.Option("--template", metavar="NAME", help="The shape whose triangles all get.", show_default=False)
+    ],
+    maps: Maps = "matched",
+    scale: Annotated[
+        bool, typer.Option("--scale", help="Whether the mean and the modes are regardless of size.")
+    ] = False,
+    accept_unsure: Annotated[bool, typer.Option("--accept-unsure", help="Use maps that are not sure, too.")] = False,
+    kept: Kept = Path("shapes.zarr"),
+    workers: Processes = None,
+    output: Output = None,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Give all shapes the triangles of one: NAME.ply each, mean.ply, and the modes in which they vary.
+
+    Shapes are where they were; mean and modes are of the shapes laid on each other (Procrustes). result.npz: positions
+    (m, n, 3), modes (k, n, 3), variance (k,), explained (k,), scores (m, k), shapes (m,).
+    """
+    import numpy as np
+
+    from qgeo_filters.cli.job import Job
+    from qgeo_filters.collection.shape_model import shape_model
+
+    collection = _collection(store, kept)
+    names = collection.names
+    if "mean" in names:
+        raise ParameterError("a shape is called mean, as the file of the mean shape is: give it another name")
+    extremes = [f"mode{k}{sign}.ply" for k in range(min(_MODES, len(names) - 1)) for sign in "-+"]
+    parameters: dict[str, Any] = {
+        "store": str(collection.store.root),
+        "template": template,
+        "maps": maps,
+        "scale": scale,
+    }
+    files = [*(f"{name}.ply" for name in names), "mean.ply", *extremes]
+    job = Job("collection common", Settings(output, quiet, json, pictures=False), parameters, texts=files)
+    job.subject = f"{len(names)} shapes with the triangles of {template}"
+    with job.stage("match"):
+        _match_from(collection, template, maps, workers, job.progress)
+    with job.stage("remesh"):
+        found = collection.common(template, how=maps, accept_unsure=accept_unsure)
+    with job.stage("model"):
+        model = shape_model(found.aligned(scale=scale))
+    results = {"shapes": len(found), "vertices": found.template.n_vertices, "explained": model.explained.tolist()}
+    arrays = {name: getattr(model, name) for name in ("modes", "variance", "explained", "scores")}
+    job.save(results, {"positions": found.positions, **arrays, "shapes": np.array(names)})
+    meshes = {name: found[name] for name in names} | {"mean": model.mean}
+    for file in extremes:
+        k, sign = int(file[4:-5]), file[-5]
+        meshes[file.removesuffix(".ply")] = model.mode(k, _SIGMA if sign == "+" else -_SIGMA)
+    for name, mesh in meshes.items():
+        with job.file(f"{name}.ply") as temporary:
+            mesh.write(temporary)
+    job.finish()
+
+
+def _collection(place: Path, kept: Path) -> Collection:
+    """The store, or that of a folder of meshes."""
+    from qgeo_filters.collection.collection import Collection
+    from qgeo_filters.collection.records import METADATA
+
+    return Collection.open(place) if (place / METADATA).exists() or not place.exists() else Collection(place, kept)
+
+
+def _match_from(collection: Collection, name: str, maps: str, workers: int | None, progress: bool) -> None:
+    """Match what the maps from one shape need: it with all others, or all pairs."""
+    if name not in collection.names:
+        raise ParameterError(f"no shape is called {name!r}; there are {', '.join(collection.names[:5])}")
+    some = [(x, y) for x, y in itertools.combinations(collection.names, 2) if maps != "matched" or name in (x, y)]
+    collection.match(some, workers=workers, progress=progress)
+
+
+def _unsure(collection: Collection, name: str) -> list[str]:
+    """Shapes whose match with this one is not sure."""
+    table = collection.table()
+    of = table[((table.x == name) | (table.y == name)) & (table.confident != True)]  # noqa: E712  (missing ones, too)
+    return sorted({*of.x, *of.y} - {name})
