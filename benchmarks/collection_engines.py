@@ -71,9 +71,9 @@ def main() -> None:
     one, other = plain.table(), cluster.table()
     pd.testing.assert_frame_equal(one, other, check_exact=True)
     seconds = plain.table(seconds=True)["seconds"].sum()
+    print(f"\n{len(names)} shapes, {len(one)} pairs: equal bit for bit, {killed} workers killed.")
     print(
-        f"\n{len(names)} shapes, {len(one)} pairs: equal bit for bit, {killed} workers killed. Wall seconds: {middle - started:.0f} "
-        f"in processes, {ended - middle:.0f} on the cluster; CPU seconds of the maps: {seconds:.0f}\n"
+        f"Wall seconds: {middle - started:.0f} in processes, {ended - middle:.0f} on the cluster; CPU: {seconds:.0f}\n"
     )
 
     def truth(x: str, y: str) -> object:
