@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import re
+from types import SimpleNamespace
 
 import browser as tools
 import numpy as np
@@ -111,6 +112,58 @@ def test_compare_page_turns_both_views_picks_partners_and_switches_modes(pair, t
     page.locator("#step").fill("3")
     assert np.abs(tools.settled(left) - first).mean() > 2
     assert "φ₃" in page.locator("#legend").inner_text()
+
+
+def standing_path(pair):
+    return qw.geodesics(pair[0], 5, 5)
+
+
+def one_point_twice(pair):
+    widget = qw.compare(pair[0], pair[1], p2p=pair[2])
+    widget.picked = widget.second = ("x", 7)
+    return widget
+
+
+def axis_of_a_point(pair):
+    """A symmetry whose only vertex on the axis lies amid one side, as on cat0."""
+    side = np.full(pair[0].n_vertices, -1)
+    side[9] = 0
+    same = np.arange(len(side))
+    return qw.symmetry(pair[0], symmetry=SimpleNamespace(found=True, p2p=same, side=side, asymmetry=0.0 * side))
+
+
+@pytest.mark.parametrize("make", [standing_path, one_point_twice, axis_of_a_point])
+def test_a_line_without_length_is_not_drawn(pair, make):
+    widget = make(pair)
+    assert widget.message == ""
+    assert [pane.lines for pane in widget._viewer.panes] == [{}] * len(widget._viewer.panes)
+    widget.close()
+
+
+@pytest.mark.browser
+def test_a_page_with_a_line_too_short_to_see_is_not_blank(pair, tmp_path, offline):
+    widget = qw.geodesics(pair[0])
+    place = pair[0].vertices[5]
+    widget._viewer.panes[0].lines["path"] = np.stack([place, place, place]), (1.0, 0.0, 0.0)
+    widget.to_html(tmp_path / "page.html")
+    widget.close()
+    page = offline(tmp_path / "page.html")
+    tools.until(lambda: tools.pixels(page.locator(".view canvas")).std() > 15)
+    assert not page.locator("#no-drawing").is_visible()
+
+
+@pytest.mark.browser
+def test_a_page_that_cannot_draw_says_so_and_shows_the_still_picture(pair, tmp_path, page):
+    widget = qw.geodesics(pair[0])
+    widget.to_html(tmp_path / "page.html")
+    widget.close()
+    text = (tmp_path / "page.html").read_text()
+    (tmp_path / "broken.html").write_text(text.replace('"shapes": [', '"shapes": [{}, '))
+    page.goto((tmp_path / "broken.html").as_uri())
+    why = page.locator("#why").inner_text()
+    assert re.match("This page could not draw the shapes, so this is a still picture. The error was: .*Error", why)
+    tools.until(lambda: tools.pixels(page.locator("#no-drawing img")).std() > 15)
+    assert not page.locator("#controls").is_visible()
 
 
 @pytest.mark.browser

@@ -111,6 +111,7 @@ def page_text(viewer: Viewer, page: Page, still: str) -> str:
         "three": three_js().replace("</script", "<\\/script"),
         "orbit": _resource("orbit.js"),
         "motion": _resource("motion.js"),
+        "failure": _resource("failure.js"),
         "script": _resource("page.js"),
     }
     template = _resource("page.html")

@@ -30,6 +30,8 @@ MATERIAL = {
 }
 # A click may move the camera by this part of its distance: about two pixels of the mouse, as hands do.
 _STILL = 0.03
+# Extent, in the scene, of a curve that runs from a point to itself but for rounding.
+_NO_LENGTH = 1e-6
 
 
 class Pane:
@@ -158,7 +160,10 @@ class Pane:
     def set_line(
         self, slot: str, points: npt.ArrayLike | None, color: Color = (0.86, 0.11, 0.16), width: float = 5.0
     ) -> None:
-        """Show a curve through points (p, 3) of the surface, in place of the one in this slot; None removes it."""
+        """Show a curve through points (p, 3) of the surface, in place of the one in this slot; None removes it.
+
+        A curve without length, like the path from a point to itself, shows nothing.
+        """
         self.lines.pop(slot, None)
         old = self._strokes.pop(slot, None)
         if old is not None:
@@ -166,10 +171,11 @@ class Pane:
             # Closed with the pane: the front end may still be drawing it.
             self._retired.append(old)
         curve = np.empty((0, 3)) if points is None else np.asarray(points, dtype=np.float64)
-        if len(curve) < 2:
+        placed = self.placement.to_scene(curve)
+        if len(curve) < 2 or np.ptp(placed, axis=0).max() <= _NO_LENGTH:
             return
         self.lines[slot] = curve, color
-        geometry = three.LineGeometry(positions=self.placement.to_scene(curve).astype(np.float32))
+        geometry = three.LineGeometry(positions=placed.astype(np.float32))
         stroke = self._strokes[slot] = three.Line2(geometry, three.LineMaterial(linewidth=width, color=_hex(color)))
         self._scene.add(stroke)
 

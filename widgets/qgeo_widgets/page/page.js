@@ -39,7 +39,10 @@
         this.scene.add(lamp);
       }
       for (const mark of shape.marks) this.scene.add(ball(mark.place, mark.color));
-      for (const line of shape.lines) this.scene.add(tube(decoded(line.points, Float32Array), line.color));
+      for (const line of shape.lines) {
+        const stroke = tube(decoded(line.points, Float32Array), line.color);
+        if (stroke) this.scene.add(stroke);
+      }
       this.camera = camera;
       this.renderer = new THREE.WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
       this.renderer.setPixelRatio(window.devicePixelRatio || 1);
@@ -107,12 +110,14 @@
     return solid;
   }
 
+  /* A curve as a solid; null where it has no length that a page could show. */
   function tube(points, color) {
     const path = new THREE.CurvePath();
     const at = (i) => new THREE.Vector3().fromArray(points, 3 * i);
     for (let i = 1; 3 * i < points.length; i++) {
       if (at(i).distanceTo(at(i - 1)) > 1e-6) path.add(new THREE.LineCurve3(at(i - 1), at(i)));
     }
+    if (!path.curves.length) return null;
     const geometry = new THREE.TubeBufferGeometry(path, 2 * points.length / 3, data.radius / 3, 8);
     return new THREE.Mesh(geometry, new THREE.MeshLambertMaterial({color}));
   }
@@ -146,8 +151,7 @@
 
   element('info').hidden = !data.info;
   if (!webgl()) {
-    element('no-webgl').hidden = false;
-    element('controls').hidden = true;
+    drawsNothing('This browser shows no WebGL, so this is a still picture.');
     return;
   }
 
