@@ -34,14 +34,27 @@ def test_two_clicks_give_a_path_between_their_vertices(widget, surface):
     widget._clicked(0, 600)
     pane = widget._viewer.panes[0]
     np.testing.assert_allclose(pane.lines["path"][0][[0, -1]], surface.vertices[[10, 600]], atol=1e-12)
-    np.testing.assert_allclose(pane.lines["before"][0], widget.path.initial_points)
-    shortest = distances(surface, [10], lifted_metric(surface))[0, 600]
-    assert shortest * (1 - 2e-3) <= widget.path.length <= widget.path.lengths[0]
-    assert f"{widget.path.length / np.sqrt(surface.area):.4f}" in widget._info.value
+    np.testing.assert_allclose(pane.lines["before"][0], widget.path_before.points)
+    shortest = distances(surface, [10], lifted_metric(surface), method="exact")[0, 600]
+    assert widget.path.length == pytest.approx(shortest, rel=1e-9)
+    for path in (widget.path, widget.path_before):
+        assert f"{path.length / np.sqrt(surface.area):.4f}" in widget._info.value
     widget._clicked(0, 20)
     assert (widget.source, widget.target) == (20, None)
     assert widget.path is None
     assert pane.lines == {}
+
+
+def test_the_path_is_the_shortest_where_straightening_stays_on_the_wrong_side(surface):
+    """Over bumps the way is locally shortest, and twice as long as around them."""
+    bumps = np.sin(7 * surface.vertices[:, 0]) * np.sin(7 * surface.vertices[:, 1])
+    widget = qw.geodesics(surface, 10, 419, scalar=bumps, curvature_weight=0.3)
+    shortest = distances(surface, [10], lifted_metric(surface, bumps, 0.3), method="exact")[0, 419]
+    assert widget.path.length == pytest.approx(shortest, rel=1e-9)
+    assert widget.path_before.length > 1.5 * shortest
+    assert widget.path.converged
+    assert f"{100 * (widget.path_before.length / shortest - 1):.1f} %" in widget._info.value
+    widget.close()
 
 
 def test_before_straightening_can_be_hidden(widget):

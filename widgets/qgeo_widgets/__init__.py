@@ -137,10 +137,12 @@ def geodesics(
     scalar: Scalar = "mean_curvature",
     size: tuple[int, int] = (500, 420),
 ) -> GeodesicsWidget:
-    """Widget of the quasi-geodesic between two points that are clicked, before and after it was straightened.
+    """Widget of the shortest path between two points that are clicked, and of the one that straightening alone finds.
 
-    Beside it the geodesic curvature along the path, with a cursor that moves on both. The slider of the
-    curvature's weight shows how the path comes to avoid curved regions.
+    The shortest goes down the exact distance. The other, thin and grey, is the shortest path along edges after
+    straightening; it is locally shortest too, and often longer. Their lengths stand side by side. Below, the geodesic
+    curvature along the shortest, with a cursor that moves on both. The slider of the curvature's weight shows how
+    the path comes to avoid curved regions.
 
     Parameters
     ----------

@@ -13,13 +13,13 @@ import traitlets
 
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar, surface_scalar
-from qgeo_filters.errors import QgeoError
 from qgeo_filters.geodesics.matrix import distances
-from qgeo_filters.geodesics.path.paths import GeodesicPath, quasi_geodesic
+from qgeo_filters.geodesics.path.paths import GeodesicPath
 from qgeo_filters.validation import checked_index
 from qgeo_widgets import chart, controls
 from qgeo_widgets.base import ATTRIBUTE, ShapeWidget, chosen
 from qgeo_widgets.fields import Field, ScalarField, number_field
+from qgeo_widgets.path_pair import PathPair, PathPairs
 from qgeo_widgets.scene_placement import placement_of
 from qgeo_widgets.shape import Shape
 from qgeo_widgets.viewer import Viewer
@@ -28,10 +28,12 @@ SCALAR = "curvature scalar f"
 DISTANCE = "distance from the source"
 _SOURCE, _TARGET, _PLACE = (0.98, 0.70, 0.10), (0.86, 0.11, 0.16), (0.48, 0.25, 0.71)
 _BEFORE = (0.35, 0.37, 0.42)
+#: Vertices up to which the path follows the slider of the weight; beyond, it is sought when the slider is let go.
+_LIVE = 5000
 
 
 class GeodesicsWidget(ShapeWidget):
-    """A quasi-geodesic on a shape, before and after straightening; see `qgeo_widgets.geodesics`.
+    """The shortest path on a shape, and what straightening alone finds; see `qgeo_widgets.geodesics`.
 
     Attributes
     ----------
@@ -40,11 +42,13 @@ class GeodesicsWidget(ShapeWidget):
     curvature_weight : float
         The curvature's weight in the metric; 0 gives the surface's own geodesics.
     before : bool
-        Whether the first path, along edges, is shown too.
+        Whether the path straightened from one along edges is shown too: locally shortest, and often longer.
     place : float
         Where on the path the cursor stands, from 0 at the source to 1.
     path : GeodesicPath or None
-        What is shown.
+        The shortest path, which is shown.
+    path_before : GeodesicPath or None
+        The other one.
     """
 
     _page_title = "A quasi-geodesic"
@@ -54,6 +58,7 @@ class GeodesicsWidget(ShapeWidget):
     before = traitlets.Bool(True)
     place = traitlets.Float(0.5, min=0.0, max=1.0)
     path = traitlets.Instance(GeodesicPath, allow_none=True, read_only=True)
+    path_before = traitlets.Instance(GeodesicPath, allow_none=True, read_only=True)
 
     def __init__(
         self, mesh: Any, *, source: int | None, target: int | None, curvature_weight: float, scalar: Scalar,
@@ -65,13 +70,15 @@ class GeodesicsWidget(ShapeWidget):
             surface = self._shape.surface
             self._scalar = surface_scalar(surface, scalar)
             self._distances: tuple[tuple[int, float], npt.NDArray[np.float64]] | None = None
+            self._pairs_of: tuple[float, PathPairs] | None = None
             self.curvature_weight = curvature_weight
             viewer = Viewer([surface], [placement_of(surface)], size, [f"<b>shape</b>, {surface.n_vertices} vertices"])
             self._modes = {SCALAR: self._scalar_field, DISTANCE: self._distance_field}
             for name in surface.attributes:
                 self._modes[ATTRIBUTE + name] = partial(self._attribute_field, name)
-            weight = controls.number("curvature weight λ", curvature_weight, 0.0, max(0.3, curvature_weight), 0.005)
-            before = controls.tick("before straightening", True, "the shortest path along edges, thin and grey")
+            top, live = max(0.3, curvature_weight), surface.n_vertices <= _LIVE
+            weight = controls.number("curvature weight λ", curvature_weight, 0.0, top, 0.005, live=live)
+            before = controls.tick("before: straightened from edges", True, "thin and grey; locally shortest only")
             self._chart = ipywidgets.HTML(layout={"margin": "0"})
             cursor = ipywidgets.FloatSlider(
                 value=0.5, min=0.0, max=1.0, step=0.005, readout=False,
@@ -88,7 +95,8 @@ class GeodesicsWidget(ShapeWidget):
             viewer.widget.children = [*viewer.widget.children, self._plot]
             viewer.on_pick(self._clicked)
             self._assemble(viewer, ["shape"], SCALAR, beside=[weight, before])
-            self.observe(lambda _: self._find(), ["source", "target", "curvature_weight", "before"])
+            self.observe(lambda _: self._find(), ["source", "target", "curvature_weight"])
+            self.observe(lambda _: self._show_path(), "before")
             self.observe(lambda _: self._show_place(), "place")
             self.source, self.target = source, target
             self._find()
@@ -135,29 +143,40 @@ class GeodesicsWidget(ShapeWidget):
             vertices = self._shape.surface.vertices
             pane.set_mark("source", None if self.source is None else vertices[self.source], _SOURCE)
             pane.set_mark("target", None if self.target is None else vertices[self.target], _TARGET)
+            pair = None  # where there is no path, the last one does not stay
             try:
-                self.set_trait("path", self._found())
-            except QgeoError:
-                self.set_trait("path", None)  # not the one before
-                raise
+                pair = self._found()
             finally:
+                with self.hold_trait_notifications():
+                    self.set_trait("path_before", None if pair is None else pair.from_edges)
+                    self.set_trait("path", None if pair is None else pair.shortest)
                 self._show_path()
                 if self.mode == DISTANCE:
                     self._refresh()
 
-    def _found(self) -> GeodesicPath | None:
+    def _found(self) -> PathPair | None:
         if self.source is None or self.target is None:
             return None
-        metric = self._shape.metric_of_weight(self.curvature_weight)
-        return quasi_geodesic(self._shape.surface, self.source, self.target, metric, initial="edges")
+        self._info.value = controls.table([["Seeking the shortest path …"]])  # up to seconds on a large shape
+        return self._pairs.between(self.source, self.target)
+
+    @property
+    def _pairs(self) -> PathPairs:
+        """Paths in the current metric; the last one is kept."""
+        if self._pairs_of is None or self._pairs_of[0] != self.curvature_weight:
+            metric = self._shape.metric_of_weight(self.curvature_weight)
+            self._pairs_of = self.curvature_weight, PathPairs(metric)
+        return self._pairs_of[1]
 
     def _show_path(self) -> None:
-        pane, path = self._open_viewer.panes[0], self.path
-        pane.set_line("before", path.initial_points if path is not None and self.before else None, _BEFORE, 2.5)
+        if self._viewer is None:
+            return
+        pane, path, other = self._viewer.panes[0], self.path, self.path_before
+        pane.set_line("before", other.points if other is not None and self.before else None, _BEFORE, 2.5)
         pane.set_line("path", None if path is None else path.points, _TARGET)
         self._plot.layout.display = "none" if path is None else ""
         self._show_place()
-        if path is None:
+        if path is None or other is None:
             step = "the source" if self.source is None else "the target"
             self._info.value = controls.table([[f"Click {step} of the path."]])
             return
@@ -165,16 +184,20 @@ class GeodesicsWidget(ShapeWidget):
         def length(value: float) -> str:
             return f"{value / self._shape.unit:.4f} √area"
 
-        plain = float(np.linalg.norm(np.diff(path.points, axis=0), axis=1).sum())
-        first = float(np.linalg.norm(np.diff(path.initial_points, axis=0), axis=1).sum())
-        felt = float(np.abs(np.diff(self._felt(path))).sum())
+        def on_surface(points: npt.NDArray[np.float64]) -> str:
+            return length(float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()))
+
+        both = path, other
+        longer = 100 * (other.length / path.length - 1) if path.length > 0 else 0.0
         rows = [
-            ["from vertex", f"{self.source}", "to vertex", f"{self.target}"],
-            ["length in the metric", length(path.length), "along edges", length(path.lengths[0])],
-            ["length on the surface", length(plain), "along edges", length(first)],
-            ["change of f on the way", f"{felt:.2f}", "locally shortest", "yes" if path.converged else "no"],
+            ["length in the metric", *(length(each.length) for each in both), length(other.lengths[0])],
+            ["length on the surface", *(on_surface(p) for p in (path.points, other.points, other.initial_points))],
+            ["longer than the shortest", "", f"{max(longer, 0.0):.1f} %", ""],
+            ["change of f on the way", *(f"{np.abs(np.diff(self._felt(each))).sum():.2f}" for each in both), ""],
+            ["locally shortest", *("yes" if each.converged else "no" for each in both), ""],
         ]
-        self._info.value = controls.table(rows)
+        head = [f"vertex {self.source} to {self.target}", "shortest", "before: straightened from edges", "along edges"]
+        self._info.value = controls.table(rows, head)
 
     def _felt(self, path: GeodesicPath) -> npt.NDArray[np.float64]:
         """The scalar at the points of a path."""
@@ -207,8 +230,7 @@ class GeodesicsWidget(ShapeWidget):
         source = chosen(self.source)
         key = source, self.curvature_weight
         if self._distances is None or self._distances[0] != key:
-            metric = self._shape.metric_of_weight(self.curvature_weight)
-            row = distances(self._shape.surface, [source], metric)[0] / self._shape.unit
+            row = distances(self._shape.surface, [source], self._pairs.metric)[0] / self._shape.unit
             self._distances = key, row
         return ScalarField(
             [self._distances[1]], f"distance from vertex {source} at λ = {self.curvature_weight:.3f} / √area"
