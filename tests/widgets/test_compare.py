@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapes
@@ -10,6 +12,7 @@ import traitlets
 import qgeo_widgets as qw
 from qgeo_filters import Surface, distances, lifted_metric, quasi_geodesic
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.filters import stages
 from qgeo_filters.matching.maps.orientation import orientation
 from qgeo_widgets import compare_widget as names
 from qgeo_widgets.disposal import widgets_within
@@ -246,6 +249,41 @@ def test_without_a_map_one_is_found_with_its_regions(pair):
     assert (on_x == on_y[where]).all(axis=1).mean() > 0.8
     widget.mode = names.DISTORTION
     assert widget._field.values[0].max() < 0.1
+    widget.close()
+
+
+def test_a_match_is_taken_with_its_regions_score_and_doubt(pair):
+    x, y, where = pair
+    found = replace(stages.correspondence_of(x, y, True, partial=False), confident=False, explanation="who knows")
+    widget = qw.compare(x, y, p2p=found)
+    assert widget.message == ""
+    np.testing.assert_array_equal(widget.p2p, found.p2p)
+    assert f"{found.score:.4f}" in widget._orientation.value
+    assert "not confident: who knows" in widget._orientation.value
+    assert {names.REGIONS, names.DISTORTION} <= set(widget.modes)
+    widget.close()
+    other = qw.compare(y, pair[0].with_vertices(x.vertices), p2p=replace(found, p2p=np.where(where < 3, -1, where)))
+    assert "3 of 162 vertices of X have no partner" in other.message
+    other.close()
+    small = Surface(*shapes.icosphere(1))
+    wrong = qw.compare(small, y, p2p=found)
+    assert "a match of shapes of 162 and 162 vertices, but these have 42 and 162" in wrong.message
+    wrong.close()
+
+
+@pytest.mark.parametrize("truth", [[0], [[0, 1], [2]], ["a"] * 162, np.full(162, 200)])
+def test_a_bad_truth_is_called_truth(pair, truth):
+    widget = qw.compare(*pair[:2], p2p=pair[2], truth=truth)
+    assert widget.message.startswith(("truth must be 162 vertex indices", "truth[0] is vertex 200, but Y has 162"))
+    widget.close()
+
+
+def test_advice_names_what_there_is_in_a_notebook(pair):
+    x = pair[0]
+    fan = np.concatenate([x.faces, [[x.faces[0, 0], x.faces[0, 1], 100]]])  # a third face on an edge
+    widget = qw.geodesics((x.vertices, fan), 0, 60)
+    assert "qg.repair_surface(mesh) splits" in widget.message
+    assert "repair=True" not in widget.message
     widget.close()
 
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from qgeo_filters.differential.scalar import Scalar
+    from qgeo_filters.matching.match_result import MatchResult
     from qgeo_widgets.animate_widget import AnimateWidget
     from qgeo_widgets.collection_widget import CollectionWidget
     from qgeo_widgets.compare_widget import CompareWidget
@@ -96,7 +97,7 @@ def compare(
     x: Any,
     y: Any,
     *,
-    p2p: npt.ArrayLike | None = None,
+    p2p: npt.ArrayLike | MatchResult | None = None,
     truth: npt.ArrayLike | None = None,
     curvature_weight: float = CURVATURE_WEIGHT,
     size: tuple[int, int] = (440, 400),
@@ -112,8 +113,9 @@ def compare(
     ----------
     x, y : mesh objects
         What `qgeo_filters.as_surface` takes.
-    p2p : array-like of int, shape (n_x,), optional
-        Vertex of Y for each vertex of X. By default found by `qgeo_filters.match`, with a progress bar.
+    p2p : MatchResult, or array-like of int, shape (n_x,), optional
+        What `qgeo_filters.match` returned, with its regions, its score and whether it is sure; or the vertex of Y for
+        each vertex of X. By default found by `qgeo_filters.match`, with a progress bar.
     truth : array-like of int, shape (n_x,), optional
         The true map, to show the error.
     curvature_weight : float

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from os import PathLike
 from typing import Any
 
@@ -11,10 +10,11 @@ import ipywidgets
 import traitlets
 
 from qgeo_filters.atomic import atomic_write
-from qgeo_filters.errors import ParameterError, QgeoError
+from qgeo_filters.errors import ParameterError
 from qgeo_widgets import controls
 from qgeo_widgets.disposal import close_tree
 from qgeo_widgets.fields import Field, ScalarField
+from qgeo_widgets.guarded import GuardedWidget
 from qgeo_widgets.offscreen import data_url, pane_picture, png_url, snapshot
 from qgeo_widgets.viewer import Viewer
 
@@ -29,7 +29,7 @@ def chosen(vertex: int | None) -> int:
     return vertex
 
 
-class ShapeWidget(ipywidgets.VBox):
+class ShapeWidget(GuardedWidget):
     """Shapes coloured by a choice of modes, with a legend, a range slider and a line for messages.
 
     A subclass makes its viewer, fills ``_modes`` and calls ``_assemble``, all within ``_guarded``: what a user can
@@ -45,10 +45,8 @@ class ShapeWidget(ipywidgets.VBox):
         Values of the first and the last colour; None is automatic. Set to None by a change of mode.
     camera : (float, float, float)
         Where the camera stands; it looks at the origin of a scene in which sqrt(area) of each shape is 1.
-    message : str
-        The sentence that the widget shows on what went wrong; empty when all is well.
-    hint : str
-        What there is to do before the mode can be shown; empty when it is shown.
+    message, hint : str
+        See `GuardedWidget`.
     """
 
     _page_title = "Shapes"
@@ -56,8 +54,6 @@ class ShapeWidget(ipywidgets.VBox):
     k = traitlets.Int(1, min=1)
     limits = traitlets.Tuple(traitlets.Float(), traitlets.Float(), default_value=None, allow_none=True)
     camera = traitlets.Tuple(traitlets.Float(), traitlets.Float(), traitlets.Float(), default_value=(0.0, 0.0, 1.0))
-    message = traitlets.Unicode()
-    hint = traitlets.Unicode()
 
     def __init__(self) -> None:
         self._modes: dict[str, Callable[[int], Field]] = {}
@@ -65,28 +61,9 @@ class ShapeWidget(ipywidgets.VBox):
         self._field: Field | None = None
         self._titles: Sequence[str] = ()
         self._settling = False
-        self._guards = 0
-        self._message_line = ipywidgets.HTML()
-        super().__init__([self._message_line])
-        self.layout.overflow = "visible"
+        super().__init__()
 
     # -- for subclasses -----------------------------------------------------------------------------
-
-    @contextmanager
-    def _guarded(self) -> Iterator[None]:
-        """Turn what a user can mend into a sentence in the widget; guards within a guard leave its sentence.
-
-        That is a `QgeoError`, or what the system says of a file. Any other exception is a bug, and is raised.
-        """
-        self._guards += 1
-        try:
-            if self._guards == 1:
-                self.message = ""
-            yield
-        except (QgeoError, OSError) as error:
-            self.message = " ".join(str(error).split())
-        finally:
-            self._guards -= 1
 
     @property
     def _open_viewer(self) -> Viewer:
@@ -250,10 +227,6 @@ class ShapeWidget(ipywidgets.VBox):
             self.message = f"There is no {kind} here; choose one of: {', '.join(self._modes)}."
             return self.mode
         return wanted
-
-    @traitlets.observe("message", "hint")
-    def _show_message(self, change: Any) -> None:
-        self._message_line.value = controls.sentence(self.message) + controls.advice(self.hint)
 
     def _camera_set(self, change: Any) -> None:
         if self._viewer is not None and tuple(change["new"]) != self._viewer.camera:

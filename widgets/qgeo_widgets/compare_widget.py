@@ -49,7 +49,7 @@ class CompareWidget(MatchingWidget):
         x: Any,
         y: Any,
         *,
-        p2p: npt.ArrayLike | None,
+        p2p: npt.ArrayLike | MatchResult | None,
         truth: npt.ArrayLike | None,
         curvature_weight: float,
         size: tuple[int, int],
@@ -59,7 +59,7 @@ class CompareWidget(MatchingWidget):
         with self._guarded():
             self._set_up((Shape(x, "X", curvature_weight), Shape(y, "Y", curvature_weight)), p2p, progress)
             one, other = surfaces = [shape.surface for shape in self._shapes]
-            self._truth = None if truth is None else VertexMap(one, other, truth)
+            self._truth = None if truth is None else VertexMap(one, other, truth, "truth")
             self._errors_of: dict[bool, FloatArray] = {}
             placement_x = placement_of(surfaces[0])
             seen = surfaces[1].vertices[self._map.forward]

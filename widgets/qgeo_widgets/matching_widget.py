@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import ipywidgets
 import numpy as np
@@ -14,15 +14,14 @@ import traitlets
 
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.filters import stages
+from qgeo_filters.matching.match_result import MatchResult
+from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_index
 from qgeo_widgets import controls
 from qgeo_widgets.base import ShapeWidget
 from qgeo_widgets.landmark_list import LandmarkList, landmark_color
 from qgeo_widgets.shape import Shape
 from qgeo_widgets.vertex_map import VertexMap
-
-if TYPE_CHECKING:
-    from qgeo_filters.matching.match_result import MatchResult
 
 Pick = tuple[str, int]
 SIDES = ("x", "y")
@@ -46,14 +45,16 @@ class MatchingWidget(ShapeWidget):
     flip = traitlets.Bool(False)
     landmarks: traitlets.List[tuple[int, int]] = traitlets.List(traitlets.Tuple(traitlets.Int(), traitlets.Int()))
 
-    def _set_up(self, shapes: tuple[Shape, Shape], p2p: npt.ArrayLike | None, progress: bool) -> None:
-        """Take the shapes, and the map, or find it."""
+    def _set_up(self, shapes: tuple[Shape, Shape], p2p: npt.ArrayLike | MatchResult | None, progress: bool) -> None:
+        """Take the shapes, and the map or match, or find one."""
         self._shapes = shapes
         self._correspondence: MatchResult | None = None
         self._running: threading.Thread | None = None
         if p2p is None:
-            self._correspondence = self._found(progress)
-            p2p = self._correspondence.p2p
+            p2p = self._found(progress)
+        if isinstance(p2p, MatchResult):
+            self._correspondence = _whole(p2p, *(shape.surface for shape in shapes))
+            p2p = p2p.p2p
         self._map = self._given = VertexMap(shapes[0].surface, shapes[1].surface, p2p)
 
     def _map_controls(self) -> tuple[Sequence[ipywidgets.Widget], Sequence[ipywidgets.Widget]]:
@@ -193,3 +194,21 @@ class MatchingWidget(ShapeWidget):
         if side == "x":
             return vertex, int(self._map.forward[vertex])
         return int(self._map.backward[vertex]), vertex
+
+
+def _whole(found: MatchResult, x: Surface, y: Surface) -> MatchResult:
+    """The match, where it is one of these shapes and maps every vertex."""
+    matched, shown = (found.x.n_vertices, found.y.n_vertices), (x.n_vertices, y.n_vertices)
+    if matched != shown:
+        raise ParameterError(
+            f"p2p is a match of shapes of {matched[0]} and {matched[1]} vertices, but these have {shown[0]} and "
+            f"{shown[1]}: show the shapes that were matched, X first"
+        )
+    alone = int((found.p2p < 0).sum())
+    if alone:
+        raise ParameterError(
+            f"p2p is a match in which {alone} of {shown[0]} vertices of X have no partner (shapes of which one is a "
+            "part, or that were repaired), and maps of all vertices alone are shown; match with partial=False, or "
+            "what qg.repair_surface makes of them"
+        )
+    return found

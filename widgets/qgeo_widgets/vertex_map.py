@@ -24,24 +24,29 @@ class VertexMap:
     x, y : Surface
     p2p : array-like of int, shape (n_x,)
         Vertex of Y for each vertex of X.
+    name : str
+        What the caller calls the map, for messages.
 
     Raises
     ------
-    ValueError
+    ParameterError
         Wrong length, not whole numbers, or a vertex that Y does not have.
     """
 
-    def __init__(self, x: Surface, y: Surface, p2p: npt.ArrayLike) -> None:
-        table = np.asarray(p2p)
+    def __init__(self, x: Surface, y: Surface, p2p: npt.ArrayLike, name: str = "p2p") -> None:
+        try:
+            table = np.asarray(p2p)
+        except ValueError as error:  # rows of different lengths
+            raise ParameterError(f"{name} must be {x.n_vertices} vertex indices in one row: {error}") from error
         if table.shape != (x.n_vertices,) or table.dtype.kind not in "iu":
             raise ParameterError(
-                f"p2p must be {x.n_vertices} vertex indices, one for each vertex of X, "
+                f"{name} must be {x.n_vertices} vertex indices, one for each vertex of X, "
                 f"got {table.dtype} of shape {table.shape}"
             )
         outside = np.flatnonzero((table < 0) | (table >= y.n_vertices))
         if outside.size:
             raise ParameterError(
-                f"p2p[{outside[0]}] is vertex {table[outside[0]]}, but Y has {y.n_vertices} vertices "
+                f"{name}[{outside[0]}] is vertex {table[outside[0]]}, but Y has {y.n_vertices} vertices "
                 f"({outside.size} such: {listed(outside)})"
             )
         self.x, self.y = x, y
