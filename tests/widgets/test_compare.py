@@ -136,6 +136,64 @@ def test_an_unknown_mode_or_attribute_is_a_sentence_and_changes_nothing(widget):
     assert widget.message == ""
 
 
+def test_what_cannot_be_shown_leaves_state_and_picture_as_they_were(pair):
+    x = Surface(pair[0].vertices, pair[0].faces, {"name": np.full(162, "tooth"), "height": pair[0].vertices[:, 2]})
+    widget = qw.compare(x, pair[1], p2p=pair[2])
+    widget.mode = "eigenfunction"
+    widget.k = 4
+    state = [
+        widget.mode,
+        widget.k,
+        widget.limits,
+        widget._mode_list.value,
+        widget._k_slider.value,
+        widget._legend.value,
+    ]
+    before = colors(widget)
+
+    def check():
+        shown = [widget._mode_list.value, widget._k_slider.value, widget._legend.value]
+        assert [widget.mode, widget.k, widget.limits, *shown] == state
+        for one, other in zip(colors(widget), before, strict=True):
+            np.testing.assert_array_equal(one, other)
+
+    widget.mode = "attribute: name"  # text
+    assert "attribute 'name' holds" in widget.message
+    check()
+    widget._mode_list.set_state({"index": widget.modes.index("attribute: name")})  # as it comes from the browser
+    assert "attribute 'name' holds" in widget.message
+    check()
+    with pytest.raises(ParameterError, match="k must be from 1 to 20 for 'eigenfunction', got 21"):
+        widget.k = 21
+    check()
+    widget.k = 5
+    assert (widget.message, widget._k_slider.value) == ("", 5)
+    widget.mode = "attribute: height"  # with one column
+    assert (widget.k, widget._k_slider.max) == (1, 1)
+    widget.close()
+
+
+@pytest.mark.parametrize("limits", [(3, 1), (1, 1), (0, np.nan), (-np.inf, 1), ("a", "b"), "text", (1,)])
+def test_refused_limits_leave_state_and_picture_as_they_were(widget, limits):
+    widget.mode = "attribute: height"
+    widget.limits = (0.0, 0.5)
+    before, legend = colors(widget), widget._legend.value
+    with pytest.raises((ParameterError, traitlets.TraitError), match="limits"):
+        widget.limits = limits
+    assert (widget.limits, widget._legend.value) == ((0.0, 0.5), legend)
+    for one, other in zip(colors(widget), before, strict=True):
+        np.testing.assert_array_equal(one, other)
+    widget.mode = names.CARRIED
+    with pytest.raises(ParameterError, match="stand for no numbers"):
+        widget.limits = (0.0, 1.0)
+
+
+def test_a_refused_camera_stays_where_it_was(widget):
+    with pytest.raises(ParameterError, match="camera must be three finite"):
+        widget.camera = (0.0, 0.0, 0.0)
+    assert widget.camera == widget._viewer.camera == widget._viewer.home
+
+
 def test_distance_without_a_pick_asks_for_one(widget, tmp_path):
     before = colors(widget)[0]
     widget.mode = names.DISTANCE

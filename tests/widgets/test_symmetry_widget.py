@@ -94,6 +94,10 @@ def test_regions_follow_epsilon_and_k0(widget):
         for number in np.unique(regions):
             assert len(np.unique(colors[regions == number], axis=0)) == 1
         assert f"first {k0} eigenfunctions" in widget._legend.value
+    for bad in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match="epsilon must be a finite number above 0"):
+            widget.epsilon = bad
+    assert widget.epsilon == epsilon
     widget.mode = names.SUM
     np.testing.assert_allclose(widget._field.values[0], symmetry_sum(spectrum, 5))
     assert widget._epsilon_slider.layout.display == "none"

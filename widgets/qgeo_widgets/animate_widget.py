@@ -13,7 +13,8 @@ import traitlets
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.validation import checked_count
 from qgeo_widgets.animation_input import animations_of
-from qgeo_widgets.base import ATTRIBUTE, ShapeWidget
+from qgeo_widgets.base import ShapeWidget
+from qgeo_widgets.coloring import ATTRIBUTE
 from qgeo_widgets.fields import ColorField, Field, number_field
 from qgeo_widgets.motion import Motion, placements_of
 from qgeo_widgets.pane import CLAY

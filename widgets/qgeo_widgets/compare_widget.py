@@ -13,7 +13,7 @@ from qgeo_filters._typing import FloatArray
 from qgeo_filters.defaults import EIGENPAIRS
 from qgeo_filters.report.colors import position_colors
 from qgeo_widgets import controls
-from qgeo_widgets.base import ATTRIBUTE, EIGENFUNCTION
+from qgeo_widgets.coloring import ATTRIBUTE, EIGENFUNCTION
 from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field, region_field
 from qgeo_widgets.matching_widget import SIDES, MatchingWidget
 from qgeo_widgets.scene_placement import aligned_placement, placement_of

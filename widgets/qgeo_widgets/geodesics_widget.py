@@ -17,7 +17,8 @@ from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.path.paths import GeodesicPath
 from qgeo_filters.validation import checked_index
 from qgeo_widgets import chart, controls
-from qgeo_widgets.base import ATTRIBUTE, ShapeWidget, chosen
+from qgeo_widgets.base import ShapeWidget, chosen
+from qgeo_widgets.coloring import ATTRIBUTE
 from qgeo_widgets.fields import Field, ScalarField, number_field
 from qgeo_widgets.path_pair import PathPair, PathPairs
 from qgeo_widgets.scene_placement import placement_of

@@ -15,7 +15,8 @@ from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.report.charts import matrix_order
 from qgeo_filters.report.colors import ordered_colors, sequential
 from qgeo_widgets import controls
-from qgeo_widgets.base import ATTRIBUTE, ShapeWidget, chosen
+from qgeo_widgets.base import ShapeWidget, chosen
+from qgeo_widgets.coloring import ATTRIBUTE
 from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field
 from qgeo_widgets.legend import css
 from qgeo_widgets.matrix_pane import MatrixPane

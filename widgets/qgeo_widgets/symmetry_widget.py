@@ -10,12 +10,14 @@ import traitlets
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.defaults import EIGENPAIRS, SYMMETRY_K0
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.filters import stages
 from qgeo_filters.matching.symmetry_measure import symmetry_regions, symmetry_sum
 from qgeo_filters.report.colors import position_colors
 from qgeo_filters.validation import checked_index
 from qgeo_widgets import controls
-from qgeo_widgets.base import ATTRIBUTE, EIGENFUNCTION, ShapeWidget
+from qgeo_widgets.base import ShapeWidget
+from qgeo_widgets.coloring import ATTRIBUTE, EIGENFUNCTION
 from qgeo_widgets.contours import sign_changes
 from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field, region_field
 from qgeo_widgets.scene_placement import placement_of
@@ -89,6 +91,13 @@ class SymmetryWidget(ShapeWidget):
         if vertex is not None and self._viewer is not None:
             checked_index(vertex, self._shape.surface.n_vertices, "picked")
         return vertex
+
+    @traitlets.validate("epsilon")
+    def _valid_epsilon(self, proposal: Any) -> float:
+        epsilon = float(proposal["value"])
+        if not 0 < epsilon < np.inf:
+            raise ParameterError(f"epsilon must be a finite number above 0, got {epsilon!r}")
+        return epsilon
 
     def _show_picked(self) -> None:
         if self._viewer is None:

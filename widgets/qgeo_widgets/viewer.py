@@ -91,10 +91,7 @@ class Viewer:
 
     @camera.setter
     def camera(self, position: Sequence[float]) -> None:
-        place = np.asarray(position, dtype=np.float64)
-        if place.shape != (3,) or not np.isfinite(place).all() or not place.any():
-            raise ParameterError(f"camera must be three finite numbers, not all zero, got {position!r}")
-        self._camera.position = tuple(place.tolist())
+        self._camera.position = checked_camera(position)
         self._orbit.exec_three_obj_method("update")
 
     def reset(self) -> None:
@@ -143,6 +140,15 @@ class Viewer:
             return
         for callback in self._on_camera:
             callback(self.camera)
+
+
+def checked_camera(position: Sequence[float]) -> tuple[float, float, float]:
+    """Where a camera can stand, or `ParameterError`."""
+    place = np.asarray(position, dtype=np.float64)
+    if place.shape != (3,) or not np.isfinite(place).all() or not place.any():
+        raise ParameterError(f"camera must be three finite numbers, not all zero, got {position!r}")
+    x, y, z = place.tolist()
+    return x, y, z
 
 
 def _extents(surface: Surface, placement: ScenePlacement) -> tuple[float, float, float]:
