@@ -18,6 +18,7 @@ from qgeo_filters.report import figures, panels
 from qgeo_filters.report.charts import matrix_order
 from qgeo_filters.report.colors import (
     DIVERGING,
+    MISSING,
     ColorScale,
     distinct,
     diverging,
@@ -364,6 +365,28 @@ def test_palettes_tell_apart() -> None:
         gaps = np.linalg.norm(colors[:, None] - colors, axis=2) + 9 * np.eye(count)
         assert gaps.min() > 0.1
     assert distinct(0).shape == (0, 3)
+
+
+def test_eight_regions_and_the_grey_stay_apart_for_the_color_blind() -> None:
+    """By full protanopia, deuteranopia and tritanopia of Machado et al. 2009; distances in CIELAB."""
+    colors = np.vstack([distinct(8), [MISSING]])
+    simulated = [
+        np.eye(3),
+        [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+        [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+        [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+    ]
+    to_xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+    linear = np.where(colors <= 0.04045, colors / 12.92, ((colors + 0.055) / 1.055) ** 2.4)
+    for seen in simulated:
+        xyz = np.clip(linear @ np.transpose(seen), 0, 1) @ to_xyz.T / [0.9505, 1.0, 1.089]
+        f = np.where(xyz > 0.008856, np.cbrt(xyz), 7.787 * xyz + 16 / 116)
+        lab = np.stack([116 * f[:, 1] - 16, 500 * (f[:, 0] - f[:, 1]), 200 * (f[:, 1] - f[:, 2])], axis=1)
+        gaps = np.linalg.norm(lab[:, None] - lab, axis=2)[np.triu_indices(len(lab), 1)]
+        assert gaps.min() > 12  # five times what is just noticed
+
+
+def test_ordered_colors_are_even() -> None:
     assert np.abs(np.diff(ordered_colors(100) ** 2.2, axis=0)).max() < 0.05  # in light, not in code values
 
 

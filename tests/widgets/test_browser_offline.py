@@ -15,6 +15,7 @@ import shapes
 import qgeo_widgets as qw
 from qgeo_filters import Animation, Surface
 from qgeo_filters.animation.transfer import Transfer
+from qgeo_widgets import symmetry_widget
 
 
 @pytest.fixture
@@ -164,6 +165,59 @@ def test_a_page_that_cannot_draw_says_so_and_shows_the_still_picture(pair, tmp_p
     assert re.match("This page could not draw the shapes, so this is a still picture. The error was: .*Error", why)
     tools.until(lambda: tools.pixels(page.locator("#no-drawing img")).std() > 15)
     assert not page.locator("#controls").is_visible()
+
+
+@pytest.mark.browser
+def test_a_click_on_a_page_takes_the_exported_pick_away(pair, tmp_path, offline):
+    x, y, where = pair
+    widget = qw.compare(x, y, p2p=where)
+    widget.landmarks = [(3, 4)]
+    widget.picked, widget.second = ("x", 7), ("x", 100)
+    widget.mode = "attribute: height"
+    widget.to_html(tmp_path / "page.html")
+    widget.second = widget.picked = None
+    widget.to_html(tmp_path / "bare.html")
+    widget.close()
+
+    def after_a_click(path):
+        page = offline(path)
+        canvas = page.locator(".view canvas").first
+        tools.until(lambda: tools.pixels(canvas).std() > 15)
+        before = tools.settled(canvas)
+        box = canvas.bounding_box()
+        page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        return before, tools.settled(canvas), page.locator("#info").is_visible()
+
+    with_marks, picked, info = after_a_click(tmp_path / "page.html")
+    without, expected, _ = after_a_click(tmp_path / "bare.html")
+    assert np.abs(with_marks - without).max() > 50
+    np.testing.assert_array_equal(picked, expected)  # the landmark is still there, and nothing else
+    assert not info
+
+
+@pytest.mark.browser
+def test_regions_of_a_page_do_not_mix_their_colors(pair, tmp_path, offline):
+    """Light is white: all that it makes of a colour has the colour's ratios of red, green and blue."""
+    side = np.where(pair[0].vertices[:, 0] > 0, 1, -1)
+    known = SimpleNamespace(found=True, p2p=np.arange(len(side)), side=side, asymmetry=0.0 * side)
+    widget = qw.symmetry(pair[0], symmetry=known)
+    for slot in list(widget._viewer.panes[0].lines):
+        widget._viewer.panes[0].set_line(slot, None)
+    widget.mode = symmetry_widget.SIDES
+    widget.to_html(tmp_path / "page.html")
+    palette = widget._field.palette[:2]
+    widget.close()
+    page = offline(tmp_path / "page.html")
+    canvas = page.locator(".view canvas").first
+    tools.until(lambda: tools.pixels(canvas).std() > 15)
+    picture = tools.settled(canvas).reshape(-1, 3)
+    ratios = picture[(np.abs(picture - [247, 247, 248]) > 3).any(axis=1)]
+    ratios = ratios / np.linalg.norm(ratios, axis=1, keepdims=True)
+    colors = palette / np.linalg.norm(palette, axis=1, keepdims=True)
+    cosines = ratios @ colors.T
+    assert (cosines.argmax(axis=1) == 0).mean() > 0.1
+    assert (cosines.argmax(axis=1) == 1).mean() > 0.1
+    assert (cosines.max(axis=1) < 0.995).mean() < 0.03  # edges alone
 
 
 @pytest.mark.browser

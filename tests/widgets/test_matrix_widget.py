@@ -82,6 +82,9 @@ def test_a_click_on_an_entry_marks_both_of_its_vertices(widget):
     i, j = widget._vertex_of_row[[12, 41]]
     assert f"d({i}, {j}) = {widget._table[12, j]:.4f}" in widget._info.value
     assert set(widget._viewer.panes[0].marks) == {"picked", "other"}
+    widget._viewer.panes[0]._on_pick[0]((widget.picked + 40) % 100)  # a new pick takes the second mark away
+    assert set(widget._viewer.panes[0].marks) == {"picked"}
+    assert "entry" not in widget._info.value
 
 
 def test_a_given_matrix_is_used_and_checked(surface):

@@ -11,7 +11,7 @@ import traitlets
 
 from qgeo_filters.errors import ParameterError, QgeoError
 from qgeo_widgets import controls
-from qgeo_widgets.fields import Field, ScalarField
+from qgeo_widgets.fields import Field, RegionField, ScalarField
 from qgeo_widgets.guarded import GuardedWidget
 from qgeo_widgets.viewer import Viewer
 
@@ -101,8 +101,12 @@ class ColoredWidget(GuardedWidget):
         colors = field.colors(limits)
         self._field = field
         self._settle(mode, k, count, new_mode)
-        for pane, each in zip(viewer.panes, colors, strict=True):
+        for number, (pane, each) in enumerate(zip(viewer.panes, colors, strict=True)):
             pane.set_colors(each)
+            if isinstance(field, RegionField):
+                pane.set_regions(field.numbers()[number], field.palette)
+            elif pane.regions is not None:
+                pane.set_regions(None)
         self._legend.value = field.legend(limits)
 
     def _settle(self, mode: str, k: int, count: int, new_mode: bool) -> None:

@@ -15,12 +15,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import MissingPackageError
-from qgeo_widgets.fields import Field, Limits, ScalarField
+from qgeo_widgets.fields import Field, Limits, RegionField, ScalarField
 from qgeo_widgets.legend import css
 from qgeo_widgets.motion import Motion
 from qgeo_widgets.pane import Pane
+from qgeo_widgets.region_borders import region_borders
 from qgeo_widgets.viewer import FIELD_OF_VIEW, Viewer
 
 _STEPS = 256
@@ -43,6 +45,8 @@ class Page:
         Of the first field's colours.
     hint : str
         What clicking does.
+    lasting : tuple of str
+        What the slots of marks and lines begin with that a click on the page leaves; others belong to the last pick.
     info : str
         HTML under the legend.
     partners : sequence of two (n,) int, optional
@@ -60,6 +64,7 @@ class Page:
     step: int = 1
     limits: Limits | None = None
     hint: str = ""
+    lasting: tuple[str, ...] = ("landmark", "axis")
     info: str = ""
     partners: Sequence[npt.NDArray[np.integer]] | None = None
     matrix: Mapping[str, Any] = field(default_factory=dict)
@@ -84,7 +89,7 @@ def page_text(viewer: Viewer, page: Page, still: str) -> str:
         "start": page.start,
         "step": page.step,
         "info": bool(page.info),
-        "shapes": [_shape(pane, name) for pane, name in zip(viewer.panes, page.names, strict=True)],
+        "shapes": [_shape(pane, name, page.lasting) for pane, name in zip(viewer.panes, page.names, strict=True)],
         "modes": [
             {
                 "name": name,
@@ -158,7 +163,7 @@ def three_js() -> str:
     raise MissingPackageError("to_html needs the three.js of pythreejs, which its installation here does not hold")
 
 
-def _shape(pane: Pane, name: str) -> dict[str, Any]:
+def _shape(pane: Pane, name: str, lasting: tuple[str, ...]) -> dict[str, Any]:
     surface, placement = pane.surface, pane.placement
     title, numbers = f"<b>{escape(name)}</b>, {surface.n_vertices} vertices{pane.page_caption}", None
     if pane.page_mesh is not None:
@@ -173,18 +178,27 @@ def _shape(pane: Pane, name: str) -> dict[str, Any]:
         "normals": _b64(surface.vertex_normals @ placement.axes.T, np.float32),
         "index": _b64(surface.faces, np.uint32),
         "marks": [
-            {"place": placement.to_scene(place).tolist(), "color": css(np.asarray(color))}
-            for place, color in pane.marks.values()
+            {
+                "place": placement.to_scene(place).tolist(),
+                "color": css(np.asarray(color)),
+                "lasts": slot.startswith(lasting),
+            }
+            for slot, (place, color) in pane.marks.items()
         ],
         "lines": [
-            {"points": _b64(placement.to_scene(curve), np.float32), "color": css(np.asarray(color))}
-            for curve, color in pane.lines.values()
+            {
+                "points": _b64(placement.to_scene(curve), np.float32),
+                "color": css(np.asarray(color)),
+                "lasts": slot.startswith(lasting),
+            }
+            for slot, (curve, color) in pane.lines.items()
         ],
     }
 
 
 def _painted(shown: Field, limits: Limits | None, panes_drawn: Sequence[Pane]) -> dict[str, Any]:
     """A field as the page paints it: an index into 256 colours at each vertex, or its colour."""
+    panes: list[dict[str, Any]]
     if isinstance(shown, ScalarField):
         panes = []
         for values, pane in zip(shown.values, panes_drawn, strict=True):
@@ -195,10 +209,24 @@ def _painted(shown: Field, limits: Limits | None, panes_drawn: Sequence[Pane]) -
             {"rgb": _b64(np.rint(255 * _on_page(rgb, pane)), np.uint8)}
             for rgb, pane in zip(shown.colors(None), panes_drawn, strict=True)
         ]
+    if isinstance(shown, RegionField):
+        for pane, numbers, entry in zip(panes_drawn, shown.numbers(), panes, strict=True):
+            entry["borders"] = _sharpened(pane, numbers, shown.palette)
     return {"legend": shown.legend(limits), "panes": panes}
 
 
-def _on_page(values: npt.NDArray[np.floating], pane: Pane) -> npt.NDArray[np.floating]:
+def _sharpened(pane: Pane, numbers: IndexArray, palette: FloatArray) -> dict[str, Any]:
+    """Pieces of the triangles in which regions meet, and their colours."""
+    mesh = pane.surface if pane.page_mesh is None else pane.page_mesh.shown
+    borders = region_borders(mesh.faces, _on_page(numbers, pane))
+    return {
+        "positions": _b64(borders.at_points(pane.placement.to_scene(mesh.vertices)), np.float32),
+        "normals": _b64(borders.at_points(mesh.vertex_normals @ pane.placement.axes.T), np.float32),
+        "rgb": _b64(np.rint(255 * palette[borders.labels]), np.uint8),
+    }
+
+
+def _on_page(values: npt.NDArray[Any], pane: Pane) -> npt.NDArray[Any]:
     return values if pane.page_mesh is None else pane.page_mesh.at_vertices(values)
 
 

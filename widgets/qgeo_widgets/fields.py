@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters._typing import FloatArray
+from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.report.colors import ColorScale, distinct, diverging, sequential
 from qgeo_widgets.legend import color_bar, swatches
 
@@ -81,20 +81,55 @@ class ColorField:
         return swatches(self.label, self.key)
 
 
-Field = ScalarField | ColorField
+@dataclass(frozen=True, eq=False)
+class RegionField:
+    """Numbered regions of each pane, one colour each, with borders that cut through triangles.
+
+    Attributes
+    ----------
+    labels : sequence of (n,) int
+        One array for each pane; negative in no region.
+    palette : (k + 1, 3) float64
+        Colours of the regions, and the one of none.
+    label : str
+        A sentence.
+    key : sequence of (color, str)
+        Names of the colours.
+    """
+
+    labels: Sequence[npt.NDArray[np.integer]]
+    palette: FloatArray
+    label: str
+    key: Sequence[tuple[FloatArray, str]] = ()
+
+    bounds: None = None
+
+    def numbers(self) -> list[IndexArray]:
+        """Row of the palette for each vertex of each pane."""
+        return [np.where(labels < 0, len(self.palette) - 1, labels).astype(np.int64) for labels in self.labels]
+
+    def colors(self, limits: Limits | None) -> list[FloatArray]:
+        """RGB of every vertex, one array for each pane."""
+        return [self.palette[numbers] for numbers in self.numbers()]
+
+    def legend(self, limits: Limits | None) -> str:
+        """The sentence as HTML, with swatches."""
+        return swatches(self.label, self.key)
+
+
+Field = ScalarField | ColorField | RegionField
 
 
 def region_field(
     labels: Sequence[npt.NDArray[np.integer]], label: str, names: Sequence[str] = (), loose_name: str = "none"
-) -> ColorField:
+) -> RegionField:
     """Field of numbered regions, equal numbers in equal colours; grey where the number is negative."""
     count = int(max(int(numbers.max(initial=-1)) for numbers in labels)) + 1
     palette = np.vstack([distinct(count), np.full((1, 3), 0.62)])
-    rgb = [palette[np.where(numbers < 0, count, numbers)] for numbers in labels]
     loose = any((numbers < 0).any() for numbers in labels)
     names = names or [str(k) for k in range(min(count, 24))]
     key = [(palette[k], name) for k, name in enumerate(names)] + ([(palette[count], loose_name)] if loose else [])
-    return ColorField(rgb, label, key)
+    return RegionField(labels, palette, label, key)
 
 
 def number_field(values: Sequence[FloatArray], label: str) -> ScalarField:

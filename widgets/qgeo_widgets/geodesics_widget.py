@@ -241,7 +241,10 @@ class GeodesicsWidget(ShapeWidget):
         return number_field([self._shape.attribute(name, k)], name)
 
     def _page_extras(self) -> dict[str, Any]:
-        return {"info": self._info.value + (self._chart.value if self.path is not None else "")}
+        return {
+            "info": self._info.value + (self._chart.value if self.path is not None else ""),
+            "lasting": ("source", "target", "path", "before", "place"),  # the page is about this path
+        }
 
 
 def _warn_of_the_old_name() -> None:

@@ -111,6 +111,7 @@ class MatrixWidget(ShapeWidget):
         if self._viewer is None:
             return
         vertex = self.picked
+        self._viewer.panes[0].set_mark("other", None)  # of the entry that was clicked before
         if vertex is None:
             self._viewer.panes[0].set_mark("picked", None)
             self._refresh(new_mode=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import io
 from collections.abc import Sequence
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -27,7 +28,7 @@ def pane_picture(viewer: Viewer, pane: Pane, width: int = 400) -> npt.NDArray[np
     return render_mesh(
         pane.surface.vertices,
         pane.surface.faces,
-        colors=pane.colors,
+        **_paint(pane),
         view=_view(viewer, pane),
         glyphs=_glyphs(pane),
         size=size,
@@ -39,7 +40,7 @@ def pane_picture(viewer: Viewer, pane: Pane, width: int = 400) -> npt.NDArray[np
 def snapshot(viewer: Viewer, titles: Sequence[str], field: Field | None, limits: Limits | None) -> bytes:
     """PNG of all panes from where the camera stands, with their titles and the colour bar."""
     panels = [
-        Panel(pane.surface, _view(viewer, pane), title, {"colors": pane.colors, "glyphs": _glyphs(pane)})
+        Panel(pane.surface, _view(viewer, pane), title, {**_paint(pane), "glyphs": _glyphs(pane)})
         for pane, title in zip(viewer.panes, titles, strict=True)
     ]
     scale = field.scale(limits) if isinstance(field, ScalarField) and field.bounds else None
@@ -64,6 +65,14 @@ def data_url(png: bytes) -> str:
 
 def _view(viewer: Viewer, pane: Pane) -> View:
     return View(viewer.view_axes() @ pane.placement.axes, pane.placement.axes[1])
+
+
+def _paint(pane: Pane) -> dict[str, Any]:
+    """Colours of a pane as `render_mesh` takes them."""
+    if pane.regions is None:
+        return {"colors": pane.colors}
+    labels, palette = pane.regions
+    return {"labels": labels, "colors": palette}
 
 
 def _glyphs(pane: Pane) -> list[Glyph]:

@@ -9,11 +9,12 @@ import numpy as np
 import numpy.typing as npt
 import pythreejs as three
 
-from qgeo_filters._typing import FloatArray
+from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.surface import Surface
 from qgeo_widgets.display_mesh import DisplayMesh
 from qgeo_widgets.disposal import close_tree
+from qgeo_widgets.region_overlay import RegionOverlay
 from qgeo_widgets.scene_placement import ScenePlacement
 
 Color = tuple[float, float, float]
@@ -81,7 +82,9 @@ class Pane:
                 "index": three.BufferAttribute(shown.faces.ravel().astype(np.uint32), normalized=False),
             }
         )
+        self.regions: tuple[IndexArray, FloatArray] | None = None
         self._scene = three.Scene(children=[*_lamps(), mesh], background=None)
+        self._overlay = RegionOverlay(self._scene, self._points, normals, shown.faces)
         self.press = three.Picker(controlling=mesh, event="mousedown")
         self.press.observe(self._pressed, names="point")
         self.picker = three.Picker(controlling=mesh, event="click")
@@ -134,6 +137,11 @@ class Pane:
         self.colors = new
         self._color_attribute.array = self.display.at_vertices(new)  # a new array: changes within one are not sent
         return True
+
+    def set_regions(self, labels: IndexArray | None, palette: FloatArray | None = None) -> None:
+        """Sharpen the borders between regions, rows (n,) of the palette (k, 3), over their colours; None undoes it."""
+        self.regions = None if labels is None or palette is None else (labels, palette)
+        self._overlay.show(None if labels is None else self.display.at_vertices(labels), palette)
 
     # -- marks and lines ----------------------------------------------------------------------------
 
@@ -211,6 +219,7 @@ class Pane:
     def close(self) -> None:
         """Free all that the pane holds, in the kernel and in the browser."""
         self._on_pick.clear()
+        self._overlay.close()
         for item in (self.renderer, self._scene, *self._retired):
             close_tree(item)
         self._balls.clear()

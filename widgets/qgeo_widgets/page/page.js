@@ -38,10 +38,11 @@
         lamp.position.set(x, y, z);
         this.scene.add(lamp);
       }
-      for (const mark of shape.marks) this.scene.add(ball(mark.place, mark.color));
+      this.exported = [];  /* What belongs to the pick that the page was written with: a click takes it away. */
+      for (const mark of shape.marks) this.put(ball(mark.place, mark.color), mark.lasts);
       for (const line of shape.lines) {
         const stroke = tube(decoded(line.points, Float32Array), line.color);
-        if (stroke) this.scene.add(stroke);
+        if (stroke) this.put(stroke, line.lasts);
       }
       this.camera = camera;
       this.renderer = new THREE.WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
@@ -59,6 +60,19 @@
       this.scene.add(this.picked);
     }
 
+    put(solid, lasts) {
+      this.scene.add(solid);
+      if (!lasts) this.exported.push(solid);
+    }
+
+    /* Whether there was something of the exported pick to take away. */
+    forget() {
+      const some = this.exported.length > 0;
+      this.scene.remove(...this.exported);
+      this.exported = [];
+      return some;
+    }
+
     paint(step) {
       if (step.lut) {
         const lut = decoded(step.lut, Uint8Array);
@@ -71,6 +85,29 @@
         for (let i = 0; i < rgb.length; i++) this.colors[i] = rgb[i] / 255;
       }
       this.colorAttribute.needsUpdate = true;
+      this.sharpen(step.borders);
+    }
+
+    /* Pieces of triangles in which regions meet, over the mesh: between vertices WebGL mixes colours. */
+    sharpen(borders) {
+      if (this.overlay) {
+        this.scene.remove(this.overlay);
+        this.overlay.geometry.dispose();
+        this.overlay = null;
+      }
+      if (!borders || !borders.positions) return;
+      const geometry = new THREE.BufferGeometry();
+      const positions = decoded(borders.positions, Float32Array);
+      const rgb = decoded(borders.rgb, Uint8Array);
+      const colors = Float32Array.from(positions, (_, i) => rgb[3 * Math.floor(i / 9) + i % 3] / 255);
+      geometry.addAttribute('position', new THREE.BufferAttribute(positions, 3));
+      geometry.addAttribute('normal', new THREE.BufferAttribute(decoded(borders.normals, Float32Array), 3));
+      geometry.addAttribute('color', new THREE.BufferAttribute(colors, 3));
+      this.overlay = new THREE.Mesh(geometry, new THREE.MeshLambertMaterial({
+        vertexColors: THREE.VertexColors, side: THREE.DoubleSide,
+        polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
+      }));
+      this.scene.add(this.overlay);
     }
 
     /* The vertex nearest to what is under the mouse, -1 for none. */
@@ -174,9 +211,15 @@
     draw();
   }
 
+  /* A new pick: marks, lines and lines of text about the one before go. */
+  function picksAnew() {
+    if (panes.filter((pane) => pane.forget()).length) element('info').hidden = true;
+  }
+
   function clicked(number, event) {
     const vertex = panes[number].vertexAt(event);
     if (vertex < 0) return;
+    picksAnew();
     const pair = data.partners ? decoded(data.partners[number], Int32Array)[vertex] : -1;
     panes.forEach((pane, i) => pane.mark(i === number ? vertex : pair));
     const names = data.shapes.map((shape) => shape.name);
@@ -200,10 +243,12 @@
     const lut = decoded(data.matrix.lut, Uint8Array);
     const n = panes[0].positions.length / 3;
     matrixPane(data.matrix, (row) => {
+      picksAnew();
       for (let v = 0; v < n; v++) {
         for (let c = 0; c < 3; c++) panes[0].colors[3 * v + c] = lut[3 * rows[row * n + v] + c] / 255;
       }
       panes[0].colorAttribute.needsUpdate = true;
+      panes[0].sharpen(null);
       panes[0].mark(vertices[row]);
       element('legend').innerHTML = data.matrix.legend;
       element('picked').textContent = `row ${row}: distances from vertex ${vertices[row]}`;
