@@ -79,7 +79,7 @@ def test_sides_have_two_colors_and_the_axis_a_third(widget, mirror):
     for value in (-1, 0, 1):
         assert len(np.unique(colors[mirror.side == value], axis=0)) == 1
     assert len(np.unique(colors, axis=0)) == 3
-    for name in ("side 1", "side −1", "on the axis"):
+    for name in ("side A", "side B", "on the axis"):
         assert name in widget._legend.value
 
 

@@ -10,8 +10,8 @@ import pytest
 import shapes
 
 from qgeo_filters import Surface
-from qgeo_widgets.scene_placement import aligned_placement, placement_of
-from qgeo_widgets.viewer import Viewer
+from qgeo_widgets.scene_placement import ScenePlacement, aligned_placement, placement_of
+from qgeo_widgets.viewer import FIELD_OF_VIEW, Viewer
 
 
 @pytest.fixture
@@ -111,6 +111,26 @@ def test_a_hand_that_is_not_quite_still_clicks(viewer):
     viewer._camera.set_state({"position": (home + np.array([0.02 * home[2], 0, 0])).tolist()})
     pane.picker.set_state(hit(pane, 3, share=0.25))
     assert seen == [3]
+
+
+@pytest.mark.parametrize("stretch", [(1, 1, 1), (1, 1, 6), (6, 1, 1), (1, 6, 1), (1, 4, 4), (5, 5, 1)])
+@pytest.mark.parametrize("size", [(440, 400), (300, 600)])
+def test_the_first_view_holds_shapes_whole_however_they_are_turned(stretch, size):
+    surface = Surface(shapes.blob(2, seed=3)[0] * stretch, shapes.blob(2, seed=3)[1])
+    placement = ScenePlacement(surface.vertices.mean(axis=0), np.eye(3), 1.0)
+    viewer = Viewer([surface], [placement], size, ["X"])
+    distance = viewer.home[2]
+    viewer.close()
+    points = placement.to_scene(surface.vertices)
+    height, reached = np.tan(np.radians(FIELD_OF_VIEW / 2)), []
+    for angle in np.linspace(0, 2 * np.pi, 73):
+        x = points[:, 0] * np.cos(angle) + points[:, 2] * np.sin(angle)
+        depth = distance - (points[:, 2] * np.cos(angle) - points[:, 0] * np.sin(angle))
+        assert (depth > 0).all()
+        seen = np.abs([x / (depth * height * size[0] / size[1]), points[:, 1] / (depth * height)])
+        reached.append(seen.max())
+    assert max(reached) < 1.0
+    assert max(reached) > 0.75  # and no smaller than it must be
 
 
 def test_both_panes_share_camera_and_controls(viewer):

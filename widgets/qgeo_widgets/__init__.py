@@ -191,10 +191,12 @@ def matrix(
 def symmetry(
     x: Any, *, symmetry: Any = None, curvature_weight: float = CURVATURE_WEIGHT, size: tuple[int, int] = (440, 400)
 ) -> SymmetryWidget:
-    """Widget of a shape's self-symmetry, seen from the front and from behind.
+    """Widget of a shape's self-symmetry, seen from two opposite sides.
 
     Mirror images in one colour with the axis between them, the two sides, the asymmetry, and the regions of eq. (3),
     which follow the sliders of epsilon and k0. Click a point and see its mirror image.
+    The sides are called A (`Symmetry.side` 1) and B (-1): which of them is the left one is not known, nor whether the
+    first view shows the front.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from qgeo_filters._typing import FloatArray
 from qgeo_filters.animation.sequence import Animation
 from qgeo_filters.report.view import best_view
 from qgeo_widgets.display_mesh import DisplayMesh
-from qgeo_widgets.scene_placement import ScenePlacement
+from qgeo_widgets.scene_placement import ScenePlacement, reach
 
 #: Bytes of the frames that a browser gets of one pane; a position and a normal in float32 take 24 a vertex.
 MOST_BYTES = 64_000_000
@@ -92,15 +92,9 @@ class Motion:
             Width of the picture divided by its height.
         """
         used = np.unique(self.animation.surface.faces)
-        farthest = distance = 0.0
-        for positions in self.animation.positions:
-            x, y, z = np.abs(self.placement.to_scene(positions[used])).T
-            sideways = np.hypot(x, z)
-            farthest = max(farthest, float(np.hypot(sideways, y).max()))
-            # Turned about the vertical axis, what is near looks larger, and still must not leave the picture.
-            upward = float((y / slope + sideways).max())
-            distance = max(distance, upward, float(sideways.max()) * float(np.hypot(1.0, 1.0 / (slope * aspect))))
-        return farthest or 1.0, distance or 1.0
+        reaches = [reach(self.placement.to_scene(p[used]), slope, aspect) for p in self.animation.positions]
+        farthest, distance = np.max(reaches, axis=0).tolist()
+        return farthest, distance
 
     def _drawn(self, frame: int) -> FloatArray:
         return self.display.at_vertices(self.animation.positions[frame])

@@ -67,6 +67,29 @@ def aligned_placement(surface: Surface, points: npt.ArrayLike, targets: npt.Arra
     return _centered(surface, axes)
 
 
+def reach(points: FloatArray, slope: float, aspect: float) -> tuple[float, float]:
+    """How far points of a scene lie from its origin, and the least distance of a camera that keeps all of them in view.
+
+    It looks at the origin from the horizon, and still sees all of them when they are turned about the vertical axis.
+
+    Parameters
+    ----------
+    points : (p, 3) float64
+    slope : float
+        Tangent of half the angle that the camera sees from bottom to top.
+    aspect : float
+        Width of the picture divided by its height.
+    """
+    x, y, z = np.abs(points).T
+    sideways = np.hypot(x, z)
+    farthest = float(np.hypot(sideways, y).max())
+    # What is near looks larger: a point turned to the front must not leave the picture at the top, nor one on its way
+    # there, where the line of sight touches its circle, at the side.
+    upward = float((y / slope + sideways).max())
+    distance = max(upward, float(sideways.max()) * float(np.hypot(1.0, 1.0 / (slope * aspect))))
+    return farthest or 1.0, distance or 1.0
+
+
 def _centered(surface: Surface, axes: FloatArray) -> ScenePlacement:
     """ScenePlacement with these axes whose origin is the middle of the box around what has faces."""
     used = surface.vertices[np.unique(surface.faces)] @ axes.T

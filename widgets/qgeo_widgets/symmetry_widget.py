@@ -31,12 +31,13 @@ REGIONS = "regions of eq. (3)"
 SUM = "sum of eq. (3)"
 _PICKED, _IMAGE, _AXIS = (0.86, 0.11, 0.16), (0.98, 0.70, 0.10), (0.1, 0.1, 0.12)
 _BANDS = 8
+_VIEWS = ("one view", "the opposite view")
 # As in `Symmetry.side`: which side is 1 has no meaning, so that none is called left or right.
-_SIDE_NAMES = {1: "side 1", 0: "on the axis", -1: "side −1"}
+_SIDE_NAMES = {1: "side A", 0: "on the axis", -1: "side B"}
 
 
 class SymmetryWidget(ShapeWidget):
-    """A shape and its self-symmetry, from the front and from behind; see `qgeo_widgets.symmetry`.
+    """A shape and its self-symmetry, seen from two opposite sides; see `qgeo_widgets.symmetry`.
 
     Attributes
     ----------
@@ -57,7 +58,7 @@ class SymmetryWidget(ShapeWidget):
             shape = self._shape = Shape(mesh, "X", curvature_weight)
             self._symmetry = stages.symmetry_of(shape.surface) if symmetry is None else symmetry
             placement = placement_of(shape.surface)
-            titles = [f"<b>shape</b>, {shape.surface.n_vertices} vertices", "<b>from behind</b>"]
+            titles = [f"<b>shape</b>, {shape.surface.n_vertices} vertices", f"<b>{_VIEWS[1]}</b>"]
             viewer = Viewer([shape.surface] * 2, [placement, placement.turned()], size, titles)
             self._modes = self._make_modes()
             total = float(np.ptp(self._sum))
@@ -68,7 +69,12 @@ class SymmetryWidget(ShapeWidget):
             traitlets.link((self, "k0"), (self._k0_slider, "value"))
             viewer.on_pick(lambda _, vertex: self.set_trait("picked", vertex))
             mode = MIRRORED if self._symmetry.found else REGIONS
-            self._assemble(viewer, ["front", "from behind"], mode, beside=[self._epsilon_slider, self._k0_slider])
+            self._assemble(
+                viewer,
+                _VIEWS,
+                mode,
+                beside=[self._epsilon_slider, self._k0_slider],
+            )
             self._draw_axis()
             self.observe(lambda _: self._show_measure_controls(), "mode")
             self._show_measure_controls()

@@ -18,7 +18,7 @@ from qgeo_widgets.fallback_image import STYLE, FallbackImage
 from qgeo_widgets.motion import Motion
 from qgeo_widgets.moving_pane import MovingPane
 from qgeo_widgets.pane import Pane
-from qgeo_widgets.scene_placement import ScenePlacement
+from qgeo_widgets.scene_placement import ScenePlacement, reach
 
 FIELD_OF_VIEW = 26.0
 # Each canvas is a WebGL context, of which browsers keep about 16 and drop the oldest beyond.
@@ -56,10 +56,9 @@ class Viewer:
         if motions:
             radius, distance = np.max([motion.reach(slope, size[0] / size[1]) for motion in motions], axis=0).tolist()
         else:
-            extents = [_extents(surface, placement) for surface, placement in zip(surfaces, placements, strict=True)]
-            radius, sideways, upward = np.max(extents, axis=0).tolist()
-            # Turned about the vertical axis, no shape leaves the picture.
-            distance = max(upward, sideways * size[1] / size[0]) / slope
+            placed = zip(surfaces, placements, strict=True)
+            seen = [placement.to_scene(surface.vertices[np.unique(surface.faces)]) for surface, placement in placed]
+            radius, distance = np.max([reach(points, slope, size[0] / size[1]) for points in seen], axis=0).tolist()
         self.home = (0.0, 0.0, 1.05 * distance)
         self._camera = three.PerspectiveCamera(
             fov=FIELD_OF_VIEW, aspect=size[0] / size[1], position=self.home, near=0.02 * radius, far=60 * radius
@@ -149,10 +148,3 @@ def checked_camera(position: Sequence[float]) -> tuple[float, float, float]:
         raise ParameterError(f"camera must be three finite numbers, not all zero, got {position!r}")
     x, y, z = place.tolist()
     return x, y, z
-
-
-def _extents(surface: Surface, placement: ScenePlacement) -> tuple[float, float, float]:
-    """How far what has faces reaches from the origin, from the vertical axis, and from the horizon."""
-    points = placement.to_scene(surface.vertices[np.unique(surface.faces)])
-    x, y, z = np.abs(points).T
-    return float(np.linalg.norm(points, axis=1).max()) or 1.0, float(np.hypot(x, z).max()), float(y.max())
