@@ -16,6 +16,7 @@ import qgeo_widgets as qw
 from qgeo_filters import Animation, Surface
 from qgeo_filters.animation.transfer import Transfer
 from qgeo_widgets import symmetry_widget
+from qgeo_widgets.offscreen import pane_picture
 
 
 @pytest.fixture
@@ -218,6 +219,25 @@ def test_regions_of_a_page_do_not_mix_their_colors(pair, tmp_path, offline):
     assert (cosines.argmax(axis=1) == 0).mean() > 0.1
     assert (cosines.argmax(axis=1) == 1).mean() > 0.1
     assert (cosines.max(axis=1) < 0.995).mean() < 0.03  # edges alone
+
+
+@pytest.mark.browser
+def test_a_snapshot_is_what_a_page_shows(pair, tmp_path, offline):
+    widget = qw.compare(pair[0], pair[1], p2p=pair[2])
+    widget._viewer._orbit.target = (0.2, -0.1, 0.15)
+    widget.camera = (1.2, 0.9, 1.6)
+    widget.to_html(tmp_path / "page.html")
+    pictures = [pane_picture(widget._viewer, pane, 440, 400) for pane in widget._viewer.panes]
+    widget.close()
+    page = offline(tmp_path / "page.html")
+    for number, picture in enumerate(pictures):
+        canvas = page.locator(".view canvas").nth(number)
+        tools.until(lambda canvas=canvas: tools.pixels(canvas).std() > 15)
+        on_page = tools.settled(canvas)
+        covered = [
+            (np.abs(each[:400, :440] - np.array([247.0, 247, 248])) > 4).any(axis=2) for each in (on_page, picture)
+        ]
+        assert (covered[0] & covered[1]).sum() / (covered[0] | covered[1]).sum() > 0.98
 
 
 @pytest.mark.browser

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import io
 from itertools import pairwise
 
+import matplotlib.image
 import numpy as np
 import pytest
 import shapes
@@ -127,3 +129,23 @@ def test_closing_frees_everything(surface, counted):
     assert counted() > 50
     widget.close()
     assert counted() == 0
+
+
+def test_matrix_and_shape_show_one_distance_in_one_color(widget):
+    for row in (3, 40):
+        widget.row = row
+        for limits in (None, (0.1, 0.7)):
+            widget.limits = limits
+            on_shape = widget._viewer.panes[0].colors[widget._vertex_of_row]
+            np.testing.assert_allclose(widget._pane.image[row] / 255, on_shape, atol=0.5 / 255 + 1e-6)
+    widget.mode = names.ORDER
+    assert widget.limits is None
+
+
+def test_a_snapshot_has_the_matrix_beside_the_shape(widget):
+    widget.row = 3
+    picture = matplotlib.image.imread(io.BytesIO(widget.snapshot(dpi=96)), format="png")
+    width = widget._pane.size
+    assert picture.shape[1] > 2 * width
+    red = (np.abs(picture[..., :3] - np.array([255, 45, 85]) / 255) < 0.15).all(axis=2)
+    assert red.any(axis=0).sum() > 0.95 * width

@@ -86,6 +86,7 @@ def test_sides_have_two_colors_and_the_axis_a_third(widget, mirror):
 def test_regions_follow_epsilon_and_k0(widget):
     widget.mode = names.REGIONS
     assert widget._epsilon_slider.layout.display == ""
+    assert len(widget._field.key) <= 8
     spectrum = widget._shape.spectrum
     for epsilon, k0 in ((widget.epsilon, 20), (0.5 * widget.epsilon, 20), (0.5 * widget.epsilon, 5)):
         widget.epsilon, widget.k0 = epsilon, k0

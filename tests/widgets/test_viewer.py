@@ -143,7 +143,7 @@ def test_camera_is_checked_and_reset(viewer):
     home = viewer.camera
     viewer.camera = (1, 2, 3)
     assert viewer.camera == (1.0, 2.0, 3.0)
-    axes = viewer.view_axes()
+    axes = viewer.camera_view().axes
     np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
     np.testing.assert_allclose(axes[2], np.array([1, 2, 3]) / np.sqrt(14))
     viewer.reset()

@@ -191,10 +191,10 @@ class AnimateWidget(ShapeWidget):
 
     # -- pictures and pages -------------------------------------------------------------------------
 
-    def snapshot(self, path: str | PathLike[str] | None = None) -> bytes:
-        """PNG of what is shown at this time, drawn in software; written to the path if given."""
+    def snapshot(self, path: str | PathLike[str] | None = None, *, dpi: int = 144) -> bytes:
+        """PNG of what is shown at this time, see `ShapeWidget.snapshot`."""
         self._pose()
-        return super().snapshot(path)
+        return super().snapshot(path, dpi=dpi)
 
     def to_html(self, path: str | PathLike[str], *, modes: Sequence[str] | None = None) -> None:
         """Write one web page that plays anywhere, offline, with the controls of the widget.

@@ -11,10 +11,12 @@ import traitlets
 
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.validation import checked_count
 from qgeo_widgets import controls
 from qgeo_widgets.coloring import ColoredWidget
 from qgeo_widgets.disposal import close_tree
 from qgeo_widgets.offscreen import data_url, pane_picture, png_url, snapshot
+from qgeo_widgets.snapshot_figure import Chart, Picture
 from qgeo_widgets.viewer import Viewer, checked_camera
 
 
@@ -92,11 +94,21 @@ class ShapeWidget(ColoredWidget):
         if self._viewer is not None:
             self._viewer.reset()
 
-    def snapshot(self, path: str | PathLike[str] | None = None) -> bytes:
-        """PNG of what is shown, with titles and colour bar, drawn in software; written to the path if given."""
+    def snapshot(self, path: str | PathLike[str] | None = None, *, dpi: int = 144) -> bytes:
+        """PNG of what is shown, from where the camera stands, with titles, legend and chart; drawn in software.
+
+        Parameters
+        ----------
+        path : path, optional
+            File that it is written to.
+        dpi : int
+            Pixels for an inch, of which 96 pixels on screen are one: 96 is as large as on screen. From 20 to 1200.
+        """
+        checked_count(dpi, 20, 1200, "dpi")
         if self._viewer is None:
             raise ParameterError(f"there is nothing to draw: {self.message}")
-        png = snapshot(self._viewer, self._titles, self._field, self.limits)
+        before, chart = self._pictured()
+        png = snapshot(self._viewer, self._titles, self._field, self.limits, before=before, chart=chart, dpi=dpi)
         if path is not None:
             with atomic_write(path) as file:
                 file.write(png)
@@ -144,6 +156,10 @@ class ShapeWidget(ColoredWidget):
         close_tree(self)
 
     # -- inside -------------------------------------------------------------------------------------
+
+    def _pictured(self) -> tuple[Sequence[tuple[str, Picture]], Chart | None]:
+        """What a snapshot shows besides: pictures before the panes, with titles, and a chart below."""
+        return (), None
 
     def _page_extras(self) -> dict[str, Any]:
         """What a page of this widget holds besides: keywords of `export.Page`."""

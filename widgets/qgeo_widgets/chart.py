@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from qgeo_filters._typing import FloatArray
@@ -60,6 +61,17 @@ def curvature_chart(way: FloatArray, kappa: FloatArray, length: float, cursor: f
         f'transform="rotate(-90 13 {_TOP + along / 2})">κ_g (radians)</text></svg>'
     )
     return "".join(parts)
+
+
+def draw_curvature(axes: Axes, way: FloatArray, kappa: FloatArray, length: float, cursor: float) -> None:
+    """The same in Matplotlib's axes, for pictures."""
+    finite = np.isfinite(kappa)
+    top = 1.15 * max(float(np.abs(kappa[finite]).max(initial=0.0)), _SMALLEST)
+    axes.axhline(0.0, color="#888888", linewidth=0.7)
+    axes.vlines(way[finite], 0.0, kappa[finite], color="#2c5fa8", linewidth=1.0)
+    axes.plot(way[finite], kappa[finite], "o", color="#2c5fa8", markersize=2.6)
+    axes.axvline(cursor, color="#7b3fb5", linewidth=1.6)
+    axes.set(xlim=(0.0, length or 1.0), ylim=(-top, top), xlabel="way along the path / √area", ylabel="κ_g (radians)")
 
 
 def _line(x1: float, y1: float, x2: float, y2: float, color: str, width: float) -> str:

@@ -85,6 +85,7 @@ def page_text(viewer: Viewer, page: Page, still: str) -> str:
         "fov": FIELD_OF_VIEW,
         "home": viewer.home,
         "camera": viewer.camera,
+        "target": viewer.camera_view().target.tolist(),
         "radius": viewer.mark_radius,
         "start": page.start,
         "step": page.step,
@@ -130,9 +131,10 @@ def matrix_data(
     vertices: npt.NDArray[np.integer],
     strip: str,
     title: str,
+    span: Limits,
 ) -> dict[str, Any]:
-    """What a page needs of a matrix: its picture (m, m, 3), its rows (m, n) and their vertices (m,)."""
-    shown = ScalarField([rows.astype(np.float64, copy=False)], "distance from the row's vertex / √area")
+    """What a page needs of a matrix: its picture (m, m, 3), its rows (m, n), their vertices (m,), their scale."""
+    shown = ScalarField([rows.astype(np.float64, copy=False)], "distance from the row's vertex / √area", span=span)
     index, lut = _indexed(rows, shown, None)
     return {
         "count": len(image),

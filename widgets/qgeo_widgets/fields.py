@@ -27,19 +27,24 @@ class ScalarField:
         Name and unit.
     signed : bool
         Whether the scale is centred on zero.
+    span : (float, float), optional
+        Values of the first and the last colour where they are others than those that occur here, to share a scale.
     """
 
     values: Sequence[FloatArray]
     label: str
     signed: bool = False
+    span: Limits | None = None
 
     @property
     def bounds(self) -> Limits | None:
-        """Smallest and largest finite value, symmetric about zero if signed; None without any."""
+        """Smallest and largest finite value, or the span; symmetric about zero if signed; None without any."""
         joined = np.concatenate([np.ravel(v) for v in self.values])
         finite = joined[np.isfinite(joined)]
         if not finite.size:
             return None
+        if self.span is not None:
+            return self.span
         if self.signed:
             top = float(np.abs(finite).max())
             return -top, top
@@ -49,6 +54,7 @@ class ScalarField:
         """Colour scale between the limits, or the automatic ones."""
         joined = np.concatenate([np.ravel(v) for v in self.values])
         scale = diverging(joined) if self.signed else sequential(joined)
+        limits = limits or self.span
         return scale if limits is None else replace(scale, low=limits[0], high=limits[1])
 
     def colors(self, limits: Limits | None) -> list[FloatArray]:

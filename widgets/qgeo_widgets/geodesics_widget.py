@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -23,6 +24,7 @@ from qgeo_widgets.fields import Field, ScalarField, number_field
 from qgeo_widgets.path_pair import PathPair, PathPairs
 from qgeo_widgets.scene_placement import placement_of
 from qgeo_widgets.shape import Shape
+from qgeo_widgets.snapshot_figure import Chart, Picture
 from qgeo_widgets.viewer import Viewer
 
 SCALAR = "curvature scalar f"
@@ -239,6 +241,16 @@ class GeodesicsWidget(ShapeWidget):
 
     def _attribute_field(self, name: str, k: int) -> Field:
         return number_field([self._shape.attribute(name, k)], name)
+
+    def _pictured(self) -> tuple[Sequence[tuple[str, Picture]], Chart | None]:
+        path = self.path
+        if path is None:
+            return (), None
+        way = self._way(path)
+        end = float(way[-1])
+        return (), partial(
+            chart.draw_curvature, way=way[1:-1], kappa=path.kappa_g, length=end, cursor=float(self.place) * end
+        )
 
     def _page_extras(self) -> dict[str, Any]:
         return {

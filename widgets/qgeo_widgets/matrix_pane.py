@@ -28,15 +28,8 @@ class MatrixPane:
         self.image = image
         self.size = size
         self._rows = len(image)
-        self._texture = three.DataTexture(
-            data=np.ascontiguousarray(image[::-1]),
-            format="RGBFormat",
-            type="UnsignedByteType",
-            minFilter="LinearFilter",
-            magFilter="NearestFilter",
-            unpackAlignment=1,
-        )
-        board = three.Mesh(three.PlaneBufferGeometry(2, 2), three.MeshBasicMaterial(map=self._texture))
+        self._retired: Any = None
+        board = self._board = three.Mesh(three.PlaneBufferGeometry(2, 2), _picture(image))
         self._row_line = self._stripe(2.0, 0.008)
         self._column_line = self._stripe(0.008, 2.0)
         self._camera = three.OrthographicCamera(-1, 1, 1, -1, 0.1, 10, position=(0, 0, 5))
@@ -53,6 +46,16 @@ class MatrixPane:
         )
         self.widget = ipywidgets.Box([self.renderer], layout={"width": f"{size + 2}px"})
         self.widget.add_class("qgeo-pane")
+
+    def set_image(self, image: npt.NDArray[np.uint8]) -> None:
+        """Show another picture (m, m, 3) of the matrix."""
+        if np.array_equal(image, self.image):
+            return
+        # Closed one change later: the front end may still be drawing it.
+        self._close_retired()
+        self._retired = self._board.material
+        self.image = image
+        self._board.material = _picture(image)
 
     def on_hover(self, callback: Callable[[int, int], None]) -> None:
         """Call back with row and column whenever the mouse is over another place."""
@@ -72,8 +75,14 @@ class MatrixPane:
 
     def close(self) -> None:
         """Free everything, here and in the browser."""
+        self._close_retired()
         for item in (self.widget, self.renderer):
             close_tree(item)
+
+    def _close_retired(self) -> None:
+        if self._retired is not None:
+            close_tree(self._retired)
+            self._retired = None
 
     def _report(self, picker: Any, callback: Callable[[int, int], None]) -> None:
         if picker.faceIndex is None:
@@ -87,3 +96,16 @@ class MatrixPane:
     def _stripe(self, width: float, height: float) -> Any:
         material = three.MeshBasicMaterial(color="#ff2d55")
         return three.Mesh(three.PlaneBufferGeometry(width, height), material, visible=False)
+
+
+def _picture(image: npt.NDArray[np.uint8]) -> Any:
+    """Material that shows an image, row 0 at the top."""
+    texture = three.DataTexture(
+        data=np.ascontiguousarray(image[::-1]),
+        format="RGBFormat",
+        type="UnsignedByteType",
+        minFilter="LinearFilter",
+        magFilter="NearestFilter",
+        unpackAlignment=1,
+    )
+    return three.MeshBasicMaterial(map=texture)

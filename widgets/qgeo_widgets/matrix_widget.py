@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -13,19 +14,21 @@ import traitlets
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.report.charts import matrix_order
-from qgeo_filters.report.colors import ordered_colors, sequential
+from qgeo_filters.report.colors import ordered_colors
 from qgeo_widgets import controls
 from qgeo_widgets.base import ShapeWidget, chosen
 from qgeo_widgets.coloring import ATTRIBUTE
-from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field
+from qgeo_widgets.fields import ColorField, Field, Limits, ScalarField, number_field
 from qgeo_widgets.legend import css
 from qgeo_widgets.matrix_pane import MatrixPane
 from qgeo_widgets.scene_placement import placement_of
 from qgeo_widgets.shape import Shape
+from qgeo_widgets.snapshot_figure import Chart, Picture
 from qgeo_widgets.viewer import Viewer
 
 DISTANCE = "distances of the row"
 ORDER = "where the rows are"
+_LINE = 255, 45, 85
 _ROWS = 600  # as many as the picture has pixels
 
 
@@ -56,8 +59,9 @@ class MatrixWidget(ShapeWidget):
             self._vertex_of_row = sample[order]
             self._table = table[order]
             self._row_of_vertex = {int(v): r for r, v in enumerate(self._vertex_of_row)}
-            square = self._table[:, self._vertex_of_row]
-            image = np.rint(255 * sequential(square)(square)).astype(np.uint8)
+            reached = table[np.isfinite(table)]
+            self._span = 0.0, float(reached.max(initial=0.0)) or 1.0  # of the matrix and the shape alike
+            image = self._image(None)
             viewer = Viewer([shape.surface], [placement_of(shape.surface)], (size, size), [_title(shape)])
             self._pane = MatrixPane(image, size)
             self._modes = {DISTANCE: self._distance_field, ORDER: self._order_field}
@@ -86,6 +90,25 @@ class MatrixWidget(ShapeWidget):
 
     def _columns(self, mode: str) -> int:
         return self._shape.columns(mode.removeprefix(ATTRIBUTE)) if mode.startswith(ATTRIBUTE) else 1
+
+    # -- the matrix ---------------------------------------------------------------------------------
+
+    def _image(self, limits: Limits | None) -> npt.NDArray[np.uint8]:
+        """Picture of the square part of the matrix, in the colours that distances have on the shape."""
+        square = self._table[:, self._vertex_of_row].astype(np.float64)
+        return np.rint(255 * ScalarField([square], "", span=self._span).scale(limits)(square)).astype(np.uint8)
+
+    def _refresh(self, *, new_mode: bool = False) -> None:
+        super()._refresh(new_mode=new_mode)
+        if self._viewer is not None and self._field is not None:
+            self._pane.set_image(self._image(self.limits if str(self.mode) == DISTANCE else None))
+
+    def _pictured(self) -> tuple[Sequence[tuple[str, Picture]], Chart | None]:
+        picture = self._pane.image.copy()
+        if self.picked is not None and self.row >= 0:
+            thick = max(1, len(picture) // 150)
+            picture[max(self.row - thick // 2, 0) :][:thick] = _LINE
+        return [(f"distances between {len(picture)} vertices", picture)], None
 
     # -- choosing -----------------------------------------------------------------------------------
 
@@ -158,7 +181,7 @@ class MatrixWidget(ShapeWidget):
 
     def _distance_field(self, k: int) -> Field:
         picked = chosen(self.picked)
-        return ScalarField([self._distances(picked)], f"distance from vertex {picked} / √area")
+        return ScalarField([self._distances(picked)], f"distance from vertex {picked} / √area", span=self._span)
 
     def _order_field(self, k: int) -> Field:
         nearest = self._table.argmin(axis=0)
@@ -173,7 +196,7 @@ class MatrixWidget(ShapeWidget):
 
         strip = _strip(len(self._table), self._pane.size)
         title = f"distances between {len(self._table)} vertices"
-        data = matrix_data(self._pane.image, self._table, self._vertex_of_row, strip, title)
+        data = matrix_data(self._image(None), self._table, self._vertex_of_row, strip, title, self._span)
         return {"matrix": data, "hint": "Move over the matrix to see its rows on the shape; click on the shape."}
 
     def close(self) -> None:

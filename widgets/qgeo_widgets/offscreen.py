@@ -9,49 +9,62 @@ from typing import Any
 
 import matplotlib
 import numpy as np
-import numpy.typing as npt
 
 from qgeo_filters.report.glyphs import Glyph, ball, tube
-from qgeo_filters.report.panels import Panel, panel_figure
 from qgeo_filters.report.render import render_mesh
 from qgeo_filters.report.view import View
-from qgeo_widgets.fields import Field, Limits, ScalarField
+from qgeo_widgets.camera_view import CameraView
+from qgeo_widgets.fields import Field, Limits
 from qgeo_widgets.pane import Pane
+from qgeo_widgets.snapshot_figure import Chart, Picture, figure_png, picture_size
 from qgeo_widgets.viewer import Viewer
 
 _BACKGROUND = (0.969, 0.969, 0.973)
+_FLAT = View(np.eye(3), np.array([0.0, 1.0, 0.0]))
+# Of the picture, that `View.fit` leaves free on each side: here the frame itself is to fill the picture.
+_MARGIN = 0.03
 
 
-def pane_picture(viewer: Viewer, pane: Pane, width: int = 400) -> npt.NDArray[np.uint8]:
-    """Picture of one pane from where the camera stands, uint8 RGB."""
-    size = width, round(width * viewer.size[1] / viewer.size[0])
+def pane_picture(viewer: Viewer, pane: Pane, width: int = 400, height: int | None = None) -> Picture:
+    """Picture of one pane, uint8 RGB, as the camera shows it: with its perspective, nearness and place."""
+    size = width, round(width * viewer.size[1] / viewer.size[0]) if height is None else height
+    view = viewer.camera_view()
+    vertices, seen = view.flattened(pane.placement.to_scene(pane.surface.vertices))
+    faces = pane.surface.faces[seen[pane.surface.faces].all(axis=1)]
+    if not len(faces):  # the camera looks away, or stands within
+        blank = np.rint(255 * np.array(_BACKGROUND)).astype(np.uint8)
+        return np.tile(blank, (size[1], size[0], 1))
     return render_mesh(
-        pane.surface.vertices,
-        pane.surface.faces,
+        vertices,
+        faces,
         **_paint(pane),
-        view=_view(viewer, pane),
-        glyphs=_glyphs(pane),
+        view=_FLAT,
+        shown=view.frame * (1.0 - 2.0 * _MARGIN),
+        glyphs=[glyph for glyph in (_flat(solid, view) for solid in _glyphs(viewer, pane)) if len(glyph.faces)],
         size=size,
         background=_BACKGROUND,
         supersample=2,
     )
 
 
-def snapshot(viewer: Viewer, titles: Sequence[str], field: Field | None, limits: Limits | None) -> bytes:
-    """PNG of all panes from where the camera stands, with their titles and the colour bar."""
-    panels = [
-        Panel(pane.surface, _view(viewer, pane), title, {**_paint(pane), "glyphs": _glyphs(pane)})
-        for pane, title in zip(viewer.panes, titles, strict=True)
-    ]
-    scale = field.scale(limits) if isinstance(field, ScalarField) and field.bounds else None
-    label = field.label if field is not None else ""
-    figure = panel_figure(panels, scale=scale, scale_label=label, title="" if scale else label)
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=110, metadata={"Software": None})
-    return buffer.getvalue()
+def snapshot(
+    viewer: Viewer,
+    titles: Sequence[str],
+    field: Field | None,
+    limits: Limits | None,
+    *,
+    before: Sequence[tuple[str, Picture]] = (),
+    chart: Chart | None = None,
+    dpi: int = 144,
+) -> bytes:
+    """PNG of all panes as the camera shows them, with their titles, the legend, pictures before them and a chart."""
+    size = picture_size(viewer.size, dpi)
+    panes = [(title, pane_picture(viewer, pane, *size)) for pane, title in zip(viewer.panes, titles, strict=True)]
+    pictures = [*before, *panes]
+    return figure_png(pictures, [viewer.size] * len(pictures), field, limits, chart, dpi)
 
 
-def png_url(picture: npt.NDArray[np.uint8]) -> str:
+def png_url(picture: Picture) -> str:
     """The picture as a data URL."""
     buffer = io.BytesIO()
     matplotlib.image.imsave(buffer, picture, format="png")
@@ -63,10 +76,6 @@ def data_url(png: bytes) -> str:
     return "data:image/png;base64," + base64.b64encode(png).decode()
 
 
-def _view(viewer: Viewer, pane: Pane) -> View:
-    return View(viewer.view_axes() @ pane.placement.axes, pane.placement.axes[1])
-
-
 def _paint(pane: Pane) -> dict[str, Any]:
     """Colours of a pane as `render_mesh` takes them."""
     if pane.regions is None:
@@ -75,10 +84,13 @@ def _paint(pane: Pane) -> dict[str, Any]:
     return {"labels": labels, "colors": palette}
 
 
-def _glyphs(pane: Pane) -> list[Glyph]:
-    radius = 0.012 * float(np.linalg.norm(np.ptp(pane.surface.vertices, axis=0)))
-    glyphs = [ball(point, 1.2 * radius, color) for point, color in pane.marks.values()]
-    for curve, color in pane.lines.values():
-        if np.ptp(curve, axis=0).any():
-            glyphs.append(tube(curve, 0.45 * radius, color))
-    return glyphs
+def _glyphs(viewer: Viewer, pane: Pane) -> list[Glyph]:
+    """Marks and lines of a pane as solids in the scene, as large as in the browser."""
+    to_scene, radius = pane.placement.to_scene, viewer.mark_radius
+    glyphs = [ball(to_scene(point), radius, color) for point, color in pane.marks.values()]
+    return glyphs + [tube(to_scene(curve), radius / 3, color) for curve, color in pane.lines.values()]
+
+
+def _flat(glyph: Glyph, view: CameraView) -> Glyph:
+    vertices, seen = view.flattened(glyph.vertices)
+    return Glyph(vertices, glyph.faces[seen[glyph.faces].all(axis=1)], glyph.color)

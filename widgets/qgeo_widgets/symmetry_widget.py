@@ -30,7 +30,7 @@ ASYMMETRY = "asymmetry"
 REGIONS = "regions of eq. (3)"
 SUM = "sum of eq. (3)"
 _PICKED, _IMAGE, _AXIS = (0.86, 0.11, 0.16), (0.98, 0.70, 0.10), (0.1, 0.1, 0.12)
-_BANDS = 8
+_BANDS = 7  # at most eight regions, as many as there are colours that stay apart
 _VIEWS = ("one view", "the opposite view")
 # As in `Symmetry.side`: which side is 1 has no meaning, so that none is called left or right.
 _SIDE_NAMES = {1: "side A", 0: "on the axis", -1: "side B"}

@@ -10,9 +10,9 @@ import ipywidgets
 import numpy as np
 import pythreejs as three
 
-from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.surface import Surface
+from qgeo_widgets.camera_view import CameraView
 from qgeo_widgets.disposal import close_tree
 from qgeo_widgets.fallback_image import STYLE, FallbackImage
 from qgeo_widgets.motion import Motion
@@ -109,13 +109,11 @@ class Viewer:
         for number, pane in enumerate(self.panes):
             pane.on_pick(partial(callback, number))
 
-    def view_axes(self) -> FloatArray:
-        """Rows that point right, up and towards the viewer in the scene, for pictures of what is seen, shape (3, 3)."""
-        toward = np.asarray(self.camera) - np.asarray(self._orbit.target, dtype=np.float64)
-        toward = toward / np.linalg.norm(toward)
-        right = np.cross([0.0, 1.0, 0.0], toward)
-        right = right / np.linalg.norm(right) if np.linalg.norm(right) > 1e-9 else np.array([1.0, 0.0, 0.0])
-        return np.array([right, np.cross(toward, right), toward])
+    def camera_view(self) -> CameraView:
+        """What the camera sees, for pictures of it."""
+        target = np.asarray(self._orbit.target, dtype=np.float64)
+        slope = float(np.tan(np.radians(FIELD_OF_VIEW / 2))) / float(self._camera.zoom)
+        return CameraView(np.asarray(self.camera), target, slope, self.size[0] / self.size[1])
 
     def close(self) -> None:
         """Free everything, here and in the browser."""

@@ -196,7 +196,8 @@
   const panes = data.shapes.map((shape) => new Pane(shape, camera));
   const draw = () => panes.forEach((pane) => pane.draw());
   const orbit = new Orbit(camera, data.home, draw);
-  orbit.offset.setFromVector3(new THREE.Vector3().fromArray(data.camera));
+  orbit.target.fromArray(data.target);
+  orbit.offset.setFromVector3(new THREE.Vector3().fromArray(data.camera).sub(orbit.target));
 
   function show() {
     const mode = data.modes[element('mode').value];
