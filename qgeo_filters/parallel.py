@@ -134,6 +134,30 @@ def in_processes(
             pool.shutdown(wait=True, cancel_futures=True)
 
 
+Watcher = Callable[[str, int, int], None]
+_watcher: ContextVar[Watcher | None] = ContextVar("watcher", default=None)
+
+
+@contextmanager
+def watched(watcher: Watcher) -> Iterator[None]:
+    """Call a function with the name of a step, how much of it is done and how much there is, as work within goes on.
+
+    It is called in this thread, between tasks, and an exception that it raises ends the work: that is how a user
+    interface shows progress and cancels.
+    """
+    token = _watcher.set(watcher)
+    try:
+        yield
+    finally:
+        _watcher.reset(token)
+
+
+def _report(step: str, done: int, total: int) -> None:
+    watcher = _watcher.get()
+    if watcher is not None:
+        watcher(step, done, total)
+
+
 def in_threads(
     function: Callable[[Item], Result],
     items: Iterable[Item],
@@ -158,12 +182,14 @@ def in_threads(
                 for item in chosen:
                     results.append(function(item))
                     bar.update()
+                    _report(description or "step", len(results), len(chosen))
             return results
         with _pool(min(threads, len(chosen))) as pool:
             try:
                 for result in pool.map(function, chosen):
                     results.append(result)
                     bar.update()
+                    _report(description or "step", len(results), len(chosen))
             except BaseException:
                 pool.shutdown(wait=True, cancel_futures=True)
                 raise
@@ -196,6 +222,7 @@ def run_tasks(
     before : int
         Parts done earlier, for the progress bar.
     """
+    done = before
     with (
         tqdm(total=before + len(parts), initial=before, disable=not progress, unit="group", desc="geodesics") as bar,
         _pool(worker_count(workers)) as pool,
@@ -207,6 +234,8 @@ def run_tasks(
                 if finished is not None:
                     finished(part_of[future])
                 bar.update()
+                done += 1
+                _report("distances", done, before + len(parts))
         except BaseException:
             pool.shutdown(wait=True, cancel_futures=True)
             raise

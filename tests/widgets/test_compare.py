@@ -500,7 +500,7 @@ def test_matched_again_the_map_agrees_with_the_landmarks(pair, counted):
     assert widget._field.values[0].mean() > 0.1
     widget.landmarks = [(i, int(where[i])) for i in (3, 50, 110)]
     widget._list.again.click()
-    widget._running.join(120)
+    widget._long.join(120)
     assert (widget.message, widget._list.busy, widget._list.again.disabled) == ("", False, False)
     assert (widget.p2p == where).mean() > 0.95
     assert widget.mode == names.ERROR  # and it is drawn anew

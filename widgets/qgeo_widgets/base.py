@@ -84,6 +84,7 @@ class ShapeWidget(ColoredWidget):
             self._info,
             *below,
             self._message_line,
+            self._long,
         ]
         self.mode = mode
 
@@ -146,7 +147,8 @@ class ShapeWidget(ColoredWidget):
         write_page(path, self._viewer, page, data_url(self.snapshot()))
 
     def close(self) -> None:
-        """Free everything, here and in the browser."""
+        """Free everything, here and in the browser; what runs is cancelled."""
+        self._long.cancel()
         if self._viewer is not None:
             self._viewer.close()
         self._viewer = None

@@ -58,7 +58,7 @@ class ColoredWidget(GuardedWidget):
         self.observe(self._mode_set, "mode")
         self.observe(self._k_set, "k")
         self.observe(lambda _: self._refresh(), "limits")
-        self._mode_list.observe(lambda change: self.set_trait("mode", change["new"]), "value")
+        self._mode_list.observe(lambda change: self._choose(change["new"]), "value")
         self._k_slider.observe(lambda change: self.set_trait("k", change["new"]), "value")
         self._span_slider.observe(self._span_moved, "value")
 
@@ -96,7 +96,10 @@ class ColoredWidget(GuardedWidget):
         viewer, mode = self._open_viewer, str(self.mode)
         count = max(self._columns(mode), 1)
         k = self.k if self._shown is not None and self._shown[0] == mode else min(self.k, count)
-        field = self._modes[mode](k)
+        with self._long.during(f"Finding what {mode!r} shows"):
+            field = self._modes[mode](k)
+        if str(self.mode) != mode:  # another was chosen meanwhile
+            return
         limits = None if new_mode else self.limits
         colors = field.colors(limits)
         self._field = field
@@ -171,6 +174,17 @@ class ColoredWidget(GuardedWidget):
         if self._field is not None and self._field.bounds is None:
             raise ParameterError(f"colours of {self.mode!r} stand for no numbers that limits could be of")
         return limits
+
+    def _takes_long(self, mode: str) -> bool:
+        """Whether a mode has to be computed first, for seconds and more."""
+        return False
+
+    def _choose(self, mode: str) -> None:
+        """Show the mode that was chosen in the list; one that takes long in the background."""
+        if mode == self.mode or not self._takes_long(mode):
+            self.set_trait("mode", mode)
+        elif not self._long.in_background(f"Finding what {mode!r} shows", lambda: self.set_trait("mode", mode)):
+            self._mode_list.value = self.mode
 
     def _mode_set(self, change: Any) -> None:
         self._mode_list.value = self.mode

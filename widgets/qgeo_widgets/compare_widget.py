@@ -169,6 +169,9 @@ class CompareWidget(MatchingWidget):
         absent = mode == DISTANCE and self.picked is None
         return "Click a point on one of the shapes: the distances from it are then shown." if absent else ""
 
+    def _takes_long(self, mode: str) -> bool:
+        return mode == EIGENFUNCTION and any(shape.spectrum_takes_long for shape in self._shapes)
+
     def _columns(self, mode: str) -> int:
         if mode == EIGENFUNCTION:
             return min(EIGENPAIRS, *(shape.surface.n_vertices for shape in self._shapes))

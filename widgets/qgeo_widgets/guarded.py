@@ -11,13 +11,14 @@ import traitlets
 
 from qgeo_filters.errors import QgeoError
 from qgeo_widgets import controls
+from qgeo_widgets.long_work import LongWork
 
 # What the library's advice calls an argument of other functions: what there is to call in a notebook.
 _ADVICE = {"repair=True": "qg.repair_surface(mesh)", "repair='force'": "qg.repair_surface(mesh, force=True)"}
 
 
 class GuardedWidget(ipywidgets.VBox):
-    """A column with a line for messages.
+    """A column with a line for messages, and one for long work.
 
     Attributes
     ----------
@@ -33,7 +34,8 @@ class GuardedWidget(ipywidgets.VBox):
     def __init__(self) -> None:
         self._guards = 0
         self._message_line = ipywidgets.HTML()
-        super().__init__([self._message_line])
+        self._long = LongWork()
+        super().__init__([self._message_line, self._long])
         self.layout.overflow = "visible"
 
     @contextmanager

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
@@ -12,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import traitlets
 
-from qgeo_filters.errors import ParameterError
+from qgeo_filters.errors import ParameterError, QgeoError
 from qgeo_filters.filters import stages
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.surface import Surface
@@ -49,7 +48,6 @@ class MatchingWidget(ShapeWidget):
         """Take the shapes, and the map or match, or find one."""
         self._shapes = shapes
         self._correspondence: MatchResult | None = None
-        self._running: threading.Thread | None = None
         if p2p is None:
             p2p = self._found(progress)
         if isinstance(p2p, MatchResult):
@@ -60,7 +58,8 @@ class MatchingWidget(ShapeWidget):
     def _map_controls(self) -> tuple[Sequence[ipywidgets.Widget], Sequence[ipywidgets.Widget]]:
         """Controls of the map, for beside the list of modes, and lines for below the shapes."""
         flip = controls.tick("mirrored", False, "the map followed by the self-symmetry of Y")
-        traitlets.link((self, "flip"), (flip, "value"))
+        flip.observe(lambda change: self._ticked(change["new"]), "value")
+        self.observe(lambda _: flip.set_trait("value", self.flip), "flip")
         self._orientation = ipywidgets.HTML()
         self._list = LandmarkList(self.use_as_landmark, self._match_in_background)
         traitlets.link((self, "landmarks"), (self._list, "landmarks"))
@@ -104,9 +103,9 @@ class MatchingWidget(ShapeWidget):
 
     def _found(self, progress: bool) -> MatchResult:
         one, other = (shape.surface for shape in self._shapes)
-        return stages.correspondence_of(
-            one, other, True, progress, partial=False, landmarks=list(self.landmarks) or None
-        )
+        landmarks = list(self.landmarks) or None
+        with self._long.during("Seeking the map", at_once=True):
+            return stages.correspondence_of(one, other, True, progress, partial=False, landmarks=landmarks)
 
     def _take(self, found: MatchResult) -> None:
         """Show the map that was found."""
@@ -123,10 +122,7 @@ class MatchingWidget(ShapeWidget):
 
     def _match_in_background(self) -> None:
         """Seek the map without keeping the kernel from what else is clicked."""
-        if self._running is not None and self._running.is_alive():
-            return
-        self._running = threading.Thread(target=self._run, daemon=True)
-        self._running.start()
+        self._long.in_background("Seeking the map", self._run)
 
     def _run(self) -> None:
         self._list.busy = True
@@ -135,9 +131,25 @@ class MatchingWidget(ShapeWidget):
         finally:
             self._list.busy = False
 
+    def _ticked(self, mirrored: bool) -> None:
+        """Show the twin, or the map; in the background where the symmetry is still to be found."""
+        if mirrored == self.flip or not self._mirror_takes_long:
+            self.flip = mirrored
+            return
+        self._long.in_background("Finding the symmetry of Y", lambda: self.set_trait("flip", mirrored))
+
+    @property
+    def _mirror_takes_long(self) -> bool:
+        return "_mirror" not in self.__dict__ and self._shapes[1].spectrum_takes_long
+
     def _flip(self) -> None:
         with self._guarded():
-            mirror = self._mirror if self.flip else None
+            try:
+                with self._long.during("Finding the symmetry of Y"):
+                    mirror = self._mirror if self.flip else None
+            except QgeoError:
+                self.flip = False  # the map that is shown is the one that was given
+                raise
             if self.flip and mirror is None:
                 self.flip = False  # the map that is shown is the one that was given
                 self.message = "No symmetry was found on Y, so that the map has no mirrored twin."

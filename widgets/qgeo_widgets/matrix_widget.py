@@ -11,7 +11,9 @@ import numpy as np
 import numpy.typing as npt
 import traitlets
 
+from qgeo_filters.caching import cache
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.fingerprint import content_key
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.report.charts import matrix_order
 from qgeo_filters.report.colors import ordered_colors
@@ -54,7 +56,9 @@ class MatrixWidget(ShapeWidget):
             self._shape = shape
             self._placing = False
             sample = _evenly(shape.surface.n_vertices, _ROWS)
-            table = _checked_rows(matrix, sample, shape)
+            self._long.announce()
+            with self._long.during("Measuring distances", at_once=True):
+                table = _checked_rows(matrix, sample, shape)
             order = matrix_order(table[:, sample])
             self._vertex_of_row = sample[order]
             self._table = table[order]
@@ -210,7 +214,9 @@ def _checked_rows(matrix: npt.ArrayLike | None, sample: npt.NDArray[np.int64], s
     """Distances from the sample to all vertices, in units of sqrt(area)."""
     n = shape.surface.n_vertices
     if matrix is None:
-        rows = distances(shape.surface, sample, shape.metric)
+        surface, metric = shape.surface, shape.metric
+        key = content_key("matrix_rows", surface.vertices, surface.faces, metric.edge_lengths, sample)
+        rows = cache.get(key, lambda: distances(surface, sample, metric))
     else:
         given = np.asarray(matrix)
         if given.shape != (n, n):

@@ -21,6 +21,8 @@ from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
 
 _KEPT_FIELDS = 64
+#: Vertices up to which a spectrum or a symmetry is there in no time to speak of.
+_QUICK = 1500
 
 
 class Shape:
@@ -62,6 +64,11 @@ class Shape:
         """First eigenpairs of the distance operator."""
         k = min(EIGENPAIRS, self.surface.n_vertices)
         return stages.spectrum_of(self.metric, k, "area", _landmarks(self.surface), "graph", 1e-3)
+
+    @property
+    def spectrum_takes_long(self) -> bool:
+        """Whether eigenpairs are still to be computed, of a surface for which that takes seconds and more."""
+        return "spectrum" not in self.__dict__ and self.surface.n_vertices > _QUICK
 
     def distances_from(self, vertex: int) -> FloatArray:
         """Quasi-geodesic distance of every vertex from one, (n,), in units of sqrt(area); the last 64 are kept."""

@@ -56,12 +56,13 @@ class SymmetryWidget(ShapeWidget):
         super().__init__()
         with self._guarded():
             shape = self._shape = Shape(mesh, "X", curvature_weight)
-            self._symmetry = stages.symmetry_of(shape.surface) if symmetry is None else symmetry
+            self._symmetry = self._find() if symmetry is None else symmetry
             placement = placement_of(shape.surface)
             titles = [f"<b>shape</b>, {shape.surface.n_vertices} vertices", f"<b>{_VIEWS[1]}</b>"]
             viewer = Viewer([shape.surface] * 2, [placement, placement.turned()], size, titles)
             self._modes = self._make_modes()
-            total = float(np.ptp(self._sum))
+            with self._long.during("Finding eigenfunctions"):
+                total = float(np.ptp(self._sum))
             self.epsilon = total / _BANDS
             self._epsilon_slider = controls.number("ε", self.epsilon, total / 60, total, total / 200)
             self._k0_slider = controls.whole("k₀", self.k0, 1, min(EIGENPAIRS, shape.surface.n_vertices))
@@ -83,6 +84,11 @@ class SymmetryWidget(ShapeWidget):
             self._show_picked()
             if not self._symmetry.found:
                 self.message = f"No self-symmetry: {self._symmetry.reason}. The regions of eq. (3) are shown."
+
+    def _find(self) -> Any:
+        self._long.announce()
+        with self._long.during("Finding the self-symmetry", at_once=True):
+            return stages.symmetry_of(self._shape.surface)
 
     @property
     def image(self) -> int | None:
