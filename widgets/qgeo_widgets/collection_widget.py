@@ -17,7 +17,8 @@ from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.hosts.dispatch import as_surface
 from qgeo_filters.report.colors import position_colors
 from qgeo_widgets import controls
-from qgeo_widgets.base import ATTRIBUTE, ShapeWidget
+from qgeo_widgets.base import ShapeWidget
+from qgeo_widgets.coloring import ATTRIBUTE
 from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field
 from qgeo_widgets.scene_placement import aligned_placement, placement_of
 from qgeo_widgets.shape import Shape
