@@ -26,6 +26,13 @@ class BarycentricMap:
         Its vertices; -1 where there is no point.
     coordinates : (n_x, 3) float64
         Weights of the corners, not negative, with sum 1; NaN where there is no point.
+
+    Examples
+    --------
+    >>> x = qg.testing.sample_surface()
+    >>> middles = qg.BarycentricMap(np.arange(320), x.faces.astype(np.int64), np.full((320, 3), 1 / 3))
+    >>> np.allclose(middles.pulled_back(x.vertices), x.vertices[x.faces].mean(axis=1))
+    True
     """
 
     faces: IndexArray

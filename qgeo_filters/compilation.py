@@ -22,6 +22,10 @@ def warmup() -> None:
 
     Takes some seconds once after installation or an update, and well under a second from then on. Without it, the
     first call of each method takes that time.
+
+    Examples
+    --------
+    >>> qg.warmup()
     """
     _geodesics()
     _matching()

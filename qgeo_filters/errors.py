@@ -11,27 +11,76 @@ _LONGEST = 600  # characters of a reason
 
 
 class QgeoError(Exception):
-    """Whatever the caller can mend: a mesh, a parameter or a package that is missing; all others are bugs."""
+    """Whatever the caller can mend: a mesh, a parameter or a package that is missing; all others are bugs.
+
+    Examples
+    --------
+    >>> try:
+    ...     qg.distances(qg.testing.sample_surface(), 1000)
+    ... except qg.QgeoError as error:
+    ...     print(error)
+    sources[0] is vertex 1000, but there are 162 vertices, numbered from 0 (1 such index)
+    """
 
 
 class ParameterError(QgeoError, ValueError):
-    """An argument that is out of range, of a wrong shape or at odds with another: the message says which."""
+    """An argument that is out of range, of a wrong shape or at odds with another: the message says which.
+
+    Examples
+    --------
+    >>> qg.distance_spectrum(qg.testing.sample_surface(), k=0)
+    Traceback (most recent call last):
+        ...
+    qgeo_filters.errors.ParameterError: k must be between 1 and the number of vertices, 162, got 0
+    """
 
 
 class MeshError(QgeoError, ValueError):
-    """A mesh that cannot be used: the message names what is wrong, where and how often."""
+    """A mesh that cannot be used: the message names what is wrong, where and how often.
+
+    Examples
+    --------
+    >>> qg.as_surface(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 3]]))
+    Traceback (most recent call last):
+        ...
+    qgeo_filters.errors.MeshError: faces[0] refers to vertex 3, but there are 3 vertices, numbered from 0 (1 ...
+    """
 
 
 class NonManifoldError(MeshError):
-    """A mesh whose edges or vertices are not those of a surface."""
+    """A mesh whose edges or vertices are not those of a surface.
+
+    Examples
+    --------
+    >>> fan = qg.Surface([[0, 0, 0], [0, 0, 1], [1, 0, 0], [-1, 1, 0], [-1, -1, 0]], [[0, 1, 2], [0, 1, 3], [0, 1, 4]])
+    >>> qg.distances(fan, 0)
+    Traceback (most recent call last):
+        ...
+    qgeo_filters.errors.NonManifoldError: the geodesic distance needs a manifold mesh, but edge (0, 1) has 3 ...
+    """
 
 
 class DisconnectedError(MeshError):
-    """A mesh in several pieces where one piece is needed."""
+    """A mesh in several pieces where one piece is needed.
+
+    Examples
+    --------
+    >>> apart = qg.Surface([[x, y, 0] for x in (0, 5) for y in (0, 1)] + [[1, 0, 0], [6, 0, 0]], [[0, 4, 1], [2, 5, 3]])
+    >>> qg.laplacian_spectrum(apart, 2, repair=False)
+    Traceback (most recent call last):
+        ...
+    qgeo_filters.errors.DisconnectedError: the spectrum of the Laplacian needs a mesh in one piece, but there ...
+    """
 
 
 class TooLargeError(QgeoError, MemoryError):
-    """A result that does not fit into memory, said before it is begun: how large it is, and what takes less."""
+    """A result that does not fit into memory, said before it is begun: how large it is, and what takes less.
+
+    Examples
+    --------
+    >>> issubclass(qg.TooLargeError, qg.QgeoError)
+    True
+    """
 
 
 class WorkersLostError(QgeoError, RuntimeError):
@@ -39,7 +88,16 @@ class WorkersLostError(QgeoError, RuntimeError):
 
 
 class MissingPackageError(QgeoError, ImportError):
-    """An optional package that is not installed: the message holds the ``pip install`` that brings it."""
+    """An optional package that is not installed: the message holds the ``pip install`` that brings it.
+
+    Examples
+    --------
+    >>> from qgeo_filters.errors import require_package
+    >>> require_package("no_such_package", "meshlab", "a PyMeshLab mesh")
+    Traceback (most recent call last):
+        ...
+    qgeo_filters.errors.MissingPackageError: a PyMeshLab mesh needs no_such_package, which is not installed: ...
+    """
 
 
 @contextmanager

@@ -48,6 +48,20 @@ class Surface:
     on first use; `with_vertices` and `with_attributes` give changed copies. A mesh that is not manifold, in several
     pieces or not orientable can be held and described; whatever needs more says so through `require_manifold` and
     `require_connected`.
+
+    Examples
+    --------
+    >>> corner = qg.Surface([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2], [0, 3, 1], [0, 2, 3]])
+    >>> corner
+    Surface(4 vertices, 3 faces)
+    >>> corner.area, corner.is_closed, corner.boundary_vertices
+    (1.5, False, array([1, 2, 3], dtype=int32))
+    >>> corner.with_attributes({"height": [0, 0, 0, 1]}).attributes["height"]
+    array([0, 0, 0, 1])
+    >>> qg.Surface(corner.vertices, [[0, 1, 7]])
+    Traceback (most recent call last):
+        ...
+    qgeo_filters.errors.MeshError: faces[0] refers to vertex 7, but there are 4 vertices, numbered from 0 (1 ...
     """
 
     vertices: FloatArray

@@ -23,7 +23,13 @@ from qgeo_filters.surface import Surface
 
 
 def sample_surface() -> Surface:
-    """A closed, lopsided surface of 162 vertices without any symmetry, for tests."""
+    """A closed, lopsided surface of 162 vertices without any symmetry, for tests.
+
+    Examples
+    --------
+    >>> qg.testing.sample_surface()
+    Surface(162 vertices, 320 faces)
+    """
     golden = (1 + 5**0.5) / 2
     corners = [[s * 1.0, t * golden, 0.0] for s in (-1, 1) for t in (-1, 1)]
     vertices = np.array([np.roll(corner, shift) for shift in range(3) for corner in corners])
@@ -70,6 +76,10 @@ def check_filter(filter: Filter, surface: Surface | None = None) -> None:
     added, one row per vertex, finite or ``inf``; composition, pickling and YAML keep the filter; every installed
     host gets its own kind back with the same values; a mesh that is no surface is either taken or refused with a
     `QgeoError`.
+
+    Examples
+    --------
+    >>> qg.testing.check_filter(qg.DifferentialCoordinates())
     """
     surface = surface or sample_surface()
     for check in (_parameters, _purity, _declared_outputs, _composition, _serialisation, _hosts, _refusal):

@@ -71,8 +71,12 @@ def interpolate(
 
     Examples
     --------
-    >>> way = qg.interpolate(standing, sitting, np.linspace(0, 1, 25))
-    >>> half = qg.interpolate(standing, sitting, 0.5)[0]
+    >>> x = qg.testing.sample_surface()
+    >>> turned = x.with_vertices(x.vertices @ [[0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+    >>> way = qg.interpolate(x, turned, [0, 0.5, 1])
+    >>> half = way[1]  # turned by half of the angle, and not squeezed
+    >>> bool(np.abs(half.edge_lengths / x.edge_lengths - 1).max() < 1e-6)
+    True
     """
     start, notes = as_given(x, "auto")
     poses = list(y) if isinstance(y, list) else [y]

@@ -43,8 +43,10 @@ class Animation:
 
     Examples
     --------
-    >>> walk = qg.Animation(surface, np.stack([pose.vertices for pose in poses]))
-    >>> walk[3].write("third.ply")
+    >>> x = qg.testing.sample_surface()
+    >>> walk = qg.Animation(x, [x.vertices, x.vertices + 1, x.vertices + 3])
+    >>> len(walk), walk[2], walk.at(1.5)[0] - x.vertices[0]
+    (3, Surface(162 vertices, 320 faces), array([2., 2., 2.]))
     """
 
     surface: Surface

@@ -46,6 +46,14 @@ class Transfer(Animation):
     apart : float
         Root mean square distance between the references in corresponding points, the best similarity taken off, in
         sqrt(area): how far they are from standing in one pose.
+
+    Examples
+    --------
+    >>> x = qg.testing.sample_surface()
+    >>> y = x.with_vertices(2 * x.vertices)
+    >>> moved = qg.transfer_deformation(x, [x.vertices * [1, 1, 1.2]], y, np.arange(162))
+    >>> moved.positions.shape, moved.source.positions.shape, round(moved.apart, 6)
+    ((1, 162, 3), (1, 162, 3), 0.0)
     """
 
     source: Animation | None = None
@@ -127,8 +135,12 @@ def transfer_deformation(
 
     Examples
     --------
-    >>> transfer = qg.transfer_deformation("horse.obj", ["gallop-01.obj", "gallop-02.obj"], "camel.obj")
-    >>> transfer[0].write("camel-01.ply")
+    >>> x = qg.testing.sample_surface()
+    >>> poses = [x.vertices * [1, 1, 1 + t] for t in (0.1, 0.2)]
+    >>> y = x.with_vertices(2 * x.vertices)
+    >>> moved = qg.transfer_deformation(x, poses, y, np.arange(162))  # without the array the map is found
+    >>> len(moved), np.allclose(moved.positions[1], 2 * poses[1])
+    (2, True)
     """
     with default_workers(workers), single_threaded_blas:
         plan = PoseTransfer.of(
@@ -161,6 +173,16 @@ def transferred_poses(
     """The poses of `transfer_deformation` one after the other, (n_y, 3) each, as they are finished.
 
     Parameters and errors are those of `transfer_deformation`. Nothing is computed before the first is asked for.
+
+    Examples
+    --------
+    >>> x = qg.testing.sample_surface()
+    >>> poses = [x.vertices * [1, 1, 1 + t] for t in (0.1, 0.2)]
+    >>> y = x.with_vertices(2 * x.vertices)
+    >>> for pose in qg.transferred_poses(x, poses, y, np.arange(162)):
+    ...     print(pose.shape)
+    (162, 3)
+    (162, 3)
     """
     plan = PoseTransfer.of(
         x_reference,
@@ -203,6 +225,15 @@ def transfer_pose(
     ------
     ParameterError, MeshError
         See `transfer_deformation`.
+
+    Examples
+    --------
+    >>> x = qg.testing.sample_surface()
+    >>> stretched = x.with_vertices(x.vertices * [1, 1, 1.2])
+    >>> y = x.with_vertices(2 * x.vertices)
+    >>> posed = qg.transfer_pose(stretched, y, np.arange(162))
+    >>> posed
+    Surface(162 vertices, 320 faces)
     """
     with default_workers(workers), single_threaded_blas:
         pose, body = as_given(x, "auto")[0], as_given(y, "auto")[0]

@@ -33,6 +33,12 @@ class PrincipalCurvatures:
         Unit directions, each up to sign; zero where ``fitted`` is False.
     fitted : (n,) bool
         Whether the neighbourhood determines a quadric; elsewhere the curvatures are the neighbours' mean.
+
+    Examples
+    --------
+    >>> found = qg.principal_curvatures(qg.testing.sample_surface())
+    >>> bool((found.k1 >= found.k2).all()), found.d1.shape, bool(found.fitted.all())
+    (True, (162, 3), True)
     """
 
     k1: FloatArray
@@ -114,6 +120,15 @@ def principal_curvatures(surface: SurfaceLike, radius: int = 5) -> PrincipalCurv
     References
     ----------
     Cazals, Pouget, "Estimating differential quantities using polynomial fitting of osculating jets", 2005.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> ball = surface.vertices / [1.4, 1, 0.8]
+    >>> ball = surface.with_vertices(2 * ball / np.linalg.norm(ball, axis=1, keepdims=True))
+    >>> found = qg.principal_curvatures(ball)
+    >>> bool(abs(found.k1.mean() - 0.5) < 0.03), bool(abs(found.k2.mean() - 0.5) < 0.04)  # 1 / radius
+    (True, True)
     """
     surface = as_surface(surface)
     if not isinstance(radius, (int, np.integer)) or radius < 2:

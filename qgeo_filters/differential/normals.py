@@ -34,6 +34,15 @@ def vertex_normals(surface: SurfaceLike, corrected: bool = True) -> FloatArray:
     References
     ----------
     Das and Bhandarkar, CVPR Workshops 2018, sec. 4 and Fig. 2(d).
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> normals = qg.vertex_normals(surface)
+    >>> np.allclose(np.linalg.norm(normals, axis=1), 1)
+    True
+    >>> bool((np.einsum("ij,ij->i", normals, surface.vertices) > 0).all())  # outwards
+    True
     """
     surface = as_surface(surface)
     weighted = surface.vertex_normals

@@ -99,6 +99,16 @@ def surface_scalar(
     where several vertices of different area have one value, as on a symmetric surface, and a percentile falls between
     that and the next, the numbering decides where, by at most the share of one such vertex in the area. That is nothing
     on a fine mesh, and some per cent of the deviation on one of a few dozen vertices; ``clip=None`` avoids it.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> f = qg.surface_scalar(surface, "mean_curvature")
+    >>> weights = surface.vertex_areas / surface.area
+    >>> round(float(np.sqrt(weights @ (f - weights @ f) ** 2)), 6)
+    1.0
+    >>> qg.surface_scalar(surface, surface.vertices[:, 0]).shape  # any values will do
+    (162,)
     """
     surface = as_surface(surface)
     if not surface.area > 0:

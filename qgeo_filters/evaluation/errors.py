@@ -36,6 +36,11 @@ class ErrorSummary:
     mean, median, maximum : float
     below : tuple of float
         Share of points, 0 to 1, with an error of at most each of `THRESHOLDS`.
+
+    Examples
+    --------
+    >>> qg.evaluation.ErrorSummary.of([0.0, 0.25, 0.5], thresholds=[0.1, 0.3, 0.6])
+    ErrorSummary(mean=0.25, median=0.25, maximum=0.5, below=(0.3333333333333333, 0.6666666666666666, 1.0))
     """
 
     mean: float
@@ -116,6 +121,15 @@ def geodesic_error(
     References
     ----------
     Kim, Lipman, Funkhouser, "Blended intrinsic maps", SIGGRAPH 2011, for the protocol.
+
+    Examples
+    --------
+    >>> x = qg.testing.sample_surface()
+    >>> found = np.arange(162)
+    >>> found[3] = int(x.faces[(x.faces == 3).any(axis=1)][0].max())  # at a neighbour instead
+    >>> error = qg.evaluation.geodesic_error(found, np.arange(162), x)
+    >>> int((error > 0).sum()), bool(error[3] < 0.3)  # in sqrt(area)
+    (1, True)
     """
     threads = worker_count(workers)  # refused whether or not it is needed
     y = as_surface(y)
@@ -157,6 +171,14 @@ def symmetric_errors(
     y : Surface, or whatever `as_surface` takes
     matrix, workers
         As in `geodesic_error`.
+
+    Examples
+    --------
+    >>> x = qg.testing.sample_surface()
+    >>> mirror = np.arange(162)[::-1]  # any map will do here
+    >>> errors = qg.evaluation.symmetric_errors(mirror, np.arange(162), mirror, x)
+    >>> errors.mirrored, float(errors.best_per_pair.max())
+    (True, 0.0)
     """
     y = as_surface(y)
     mirror = checked_indices(symmetry, y.n_vertices, "symmetry")
@@ -177,18 +199,38 @@ def mirrored(
     matrix: Any = None,
     workers: int | None = None,
 ) -> bool:
-    """Whether a map is nearer, in the mean, to the mirrored truth than to the truth; see `symmetric_errors`."""
+    """Whether a map is nearer, in the mean, to the mirrored truth than to the truth; see `symmetric_errors`.
+
+    Examples
+    --------
+    >>> x = qg.testing.sample_surface()
+    >>> mirror = np.arange(162)[::-1]  # any map will do here
+    >>> qg.evaluation.mirrored(mirror, np.arange(162), mirror, x)
+    True
+    """
     return symmetric_errors(p2p, truth, symmetry, y, matrix=matrix, workers=workers).mirrored
 
 
 def error_curve(errors: npt.ArrayLike, thresholds: npt.ArrayLike) -> FloatArray:
-    """Share of points, 0 to 1, with an error of at most each threshold; the shape of ``thresholds``."""
+    """Share of points, 0 to 1, with an error of at most each threshold; the shape of ``thresholds``.
+
+    Examples
+    --------
+    >>> qg.evaluation.error_curve([0.0, 0.1, 0.2, 0.4], [0.05, 0.2])
+    array([0.25, 0.75])
+    """
     values = np.sort(_checked_errors(errors))
     return np.searchsorted(values, np.asarray(thresholds, dtype=np.float64), side="right") / len(values)
 
 
 def area_under_curve(errors: npt.ArrayLike, largest: float = AUC_UP_TO) -> float:
-    """Mean of the share of points within a threshold, over all thresholds from 0 to the largest: 1 for no error."""
+    """Mean of the share of points within a threshold, over all thresholds from 0 to the largest: 1 for no error.
+
+    Examples
+    --------
+    >>> round(qg.evaluation.area_under_curve([0.0, 0.1], largest=0.2), 6)
+    0.75
+    """
     return float(np.maximum(0.0, 1.0 - _checked_errors(errors) / largest).mean())
 
 

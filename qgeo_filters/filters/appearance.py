@@ -34,6 +34,13 @@ class Paint(Filter):
     Notes
     -----
     Values that are not finite (unreachable, carried back from nowhere) are painted grey.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> colored = (qg.SurfaceScalar() | qg.Paint(attribute="qgeo_scalar"))(surface).attributes["colors"]
+    >>> colored.shape, bool(colored.min() >= 0), bool(colored.max() <= 1)
+    ((162, 3), True, True)
     """
 
     pointwise = True

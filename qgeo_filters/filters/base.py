@@ -45,6 +45,20 @@ class Filter:
     nothing else in its constructor (scikit-learn's convention), lists in `outputs` the attributes that it adds, and
     implements `compute`. Results that are not per vertex are left on the filter, under a name that ends
     in an underscore, until the next call.
+
+    Examples
+    --------
+    >>> class EdgeLength(qg.Filter):
+    ...     outputs = {"edge_length": "(n,), length: mean of the edges around the vertex"}
+    ...
+    ...     def compute(self, surface, progress=False):
+    ...         total, count = np.zeros(surface.n_vertices), np.zeros(surface.n_vertices)
+    ...         for end in surface.edges.T:
+    ...             np.add.at(total, end, surface.edge_lengths)
+    ...             np.add.at(count, end, 1)
+    ...         return {"edge_length": total / count}
+    >>> EdgeLength()(qg.testing.sample_surface()).attributes["edge_length"].shape
+    (162,)
     """
 
     outputs: ClassVar[Mapping[str, str]] = {}
@@ -216,6 +230,17 @@ class Pipeline(Filter):
     -----
     The mesh is converted once at either end, and an expensive stage (scalar, distances, spectrum) that
     several steps need is computed once.
+
+    Examples
+    --------
+    >>> pipe = qg.DifferentialCoordinates() | qg.SurfaceScalar(clip=None)
+    >>> out = pipe(qg.testing.sample_surface())
+    >>> sorted(out.attributes)
+    ['qgeo_delta', 'qgeo_scalar']
+    >>> pipe["SurfaceScalar"].clip is None, len(pipe.steps)
+    (True, 2)
+    >>> print(pipe)
+    DifferentialCoordinates(weights='uniform') | SurfaceScalar(scalar='mean_curvature', clip=None, smoothing=0.0)
     """
 
     def __init__(self, steps: Sequence[Filter] = ()) -> None:

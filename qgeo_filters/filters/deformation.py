@@ -57,6 +57,15 @@ class DeformationTransfer(MovingFilter):
         `Correspondence` filter only once.
     same_pose, same_body, scans, align, accept_unsure : bool
         See `transfer_deformation`.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> pose = surface.vertices * [1, 1, 1.2]
+    >>> filter = qg.DeformationTransfer(source=surface, poses=[pose], correspondence=np.arange(162))
+    >>> out = filter(surface.with_vertices(2 * surface.vertices))
+    >>> np.allclose(out.vertices, 2 * pose), sorted(out.attributes)
+    (True, ['qgeo_displacement'])
     """
 
     transfer_: Transfer
@@ -134,6 +143,14 @@ class Interpolate(MovingFilter):
         matched, together with the `Correspondence` filter only once.
     accept_unsure : bool
         Whether a match that is not sure is used all the same, with a warning.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> other = surface.with_vertices(surface.vertices + 1)
+    >>> half = qg.Interpolate(target=other, t=0.5)(surface)
+    >>> np.allclose(half.vertices, surface.vertices + 0.5)
+    True
     """
 
     animation_: Animation

@@ -24,6 +24,12 @@ class DifferentialCoordinates(Filter):
     ----------
     weights : {"uniform", "cotangent"}
         The paper's umbrella, or the form that does not depend on the sampling.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> qg.DifferentialCoordinates()(surface).attributes["qgeo_delta"].shape
+    (162, 3)
     """
 
     outputs = {"qgeo_delta": "(n, 3), length (uniform) or 1/length (cotangent): differential coordinate"}
@@ -44,6 +50,12 @@ class CorrectedNormals(Filter):
     ----------
     corrected : bool
         False gives the angle-weighted normals.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> qg.CorrectedNormals()(surface).attributes["qgeo_normal"].shape
+    (162, 3)
     """
 
     outputs = {"qgeo_normal": "(n, 3), unit vectors: normal of each vertex (paper, Fig. 2d)"}
@@ -64,6 +76,13 @@ class Curvatures(Filter):
     ----------
     radius : int
         Rings of neighbours that the principal curvatures are fitted to at most, see `principal_curvatures`.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> out = qg.Curvatures()(surface)
+    >>> sorted(out.attributes)
+    ['qgeo_d1', 'qgeo_d2', 'qgeo_gaussian_curvature', 'qgeo_k1', 'qgeo_k2', 'qgeo_mean_curvature']
     """
 
     outputs = {
@@ -103,6 +122,12 @@ class SurfaceScalar(Filter):
         Percentiles to which values are limited.
     smoothing : float
         Length over which values are averaged, as a fraction of sqrt(area).
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> qg.SurfaceScalar(scalar="curvedness")(surface).attributes["qgeo_scalar"].shape
+    (162,)
     """
 
     value_parameters = frozenset({"scalar"})

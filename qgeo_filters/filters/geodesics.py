@@ -74,6 +74,14 @@ class QuasiGeodesicDistances(MetricFilter):
         Vertices to measure from. One index gives one value per vertex, a sequence one column per source.
     scalar, curvature_weight, smoothing, method, accuracy
         See `MetricFilter`.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> qg.QuasiGeodesicDistances(sources=[0, 7])(surface).attributes["qgeo_distance"].shape
+    (162, 2)
+    >>> qg.QuasiGeodesicDistances(sources=0)(surface).attributes["qgeo_distance"].shape
+    (162,)
     """
 
     outputs = {"qgeo_distance": "(n,) or (n, s), length: quasi-geodesic distance to each source; inf between pieces"}
@@ -125,6 +133,14 @@ class QuasiGeodesicPath(MetricFilter):
         all; or along edges, much faster, which in some cases straightens to one that is only locally shortest.
     tolerance : float
         Largest geodesic curvature, radians, that counts as straight. It takes the place of the `accuracy` of distances.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> filter = qg.QuasiGeodesicPath(start=0, end=50)
+    >>> out = filter(surface)
+    >>> int(out.attributes["qgeo_path"].sum()) > 3, filter.path_.converged
+    (True, True)
     """
 
     outputs = {"qgeo_path": "(n,) int32: 1 at the corners of the triangles that the path crosses, 0 elsewhere"}

@@ -43,6 +43,18 @@ class SelfSymmetry(MetricFilter):
         How the sum is read, see `symmetry_sum`.
     scalar, curvature_weight, smoothing, method, accuracy
         See `MetricFilter`.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> ball = surface.vertices / [1.4, 1, 0.8]
+    >>> ball /= np.linalg.norm(ball, axis=1, keepdims=True)
+    >>> radius = 1 + 0.3 * ball[:, [1]] + 0.25 * ball[:, [1]] * ball[:, [2]]
+    >>> body = surface.with_vertices(ball * [1, 1.6, 0.7] * radius)  # its own mirror image in x = 0
+    >>> filter = qg.SelfSymmetry()
+    >>> out = filter(body)
+    >>> filter.symmetry_.found, np.unique(out.attributes["qgeo_side"])
+    (True, array([-1,  0,  1], dtype=int32))
     """
 
     outputs = {
@@ -119,6 +131,14 @@ class Correspondence(Filter):
     landmarks, labels : optional
         What is known of the map, see `match`: pairs (vertex of the mesh, vertex of the target) or points, and the part
         of each vertex of the mesh and of the target.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> target = surface.with_vertices(2 * surface.vertices)
+    >>> out = qg.Correspondence(target=target)(surface)
+    >>> out.attributes["qgeo_correspondence"][:5], bool(out.attributes["qgeo_distortion"].max() < 0.01)
+    (array([0, 1, 2, 3, 4]), True)
     """
 
     outputs = {

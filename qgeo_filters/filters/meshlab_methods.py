@@ -128,6 +128,15 @@ def register_pymeshlab() -> list[str]:
     ------
     MissingPackageError
         If PyMeshLab is not installed.
+
+    Examples
+    --------
+    >>> import pymeshlab
+    >>> names = qg.register_pymeshlab()
+    >>> names[0]
+    'compute_scalar_by_quasi_geodesic_distance_from_given_point_per_vertex'
+    >>> all(hasattr(pymeshlab.MeshSet, name) for name in names)
+    True
     """
     pymeshlab = require_package("pymeshlab", "meshlab", "register_pymeshlab")
     for method in METHODS:

@@ -30,6 +30,19 @@ def registered(cls: F) -> F:
     ------
     ParameterError
         If there is another filter of this name. The same class again, as when a cell is run twice, replaces itself.
+
+    Examples
+    --------
+    >>> @qg.registered
+    ... class Height(qg.Filter):
+    ...     outputs = {"height": "(n,), length: z"}
+    ...
+    ...     def compute(self, surface, progress=False):
+    ...         return {"height": surface.vertices[:, 2].copy()}
+    >>> qg.Pipeline([Height()]).to_yaml().splitlines()[0]
+    'qgeo_pipeline: 1'
+    >>> from qgeo_filters.filters.registry import REGISTRY
+    >>> _ = REGISTRY.pop("Height")
     """
     other = REGISTRY.get(cls.__name__, cls)
     if (other.__module__, other.__qualname__) != (cls.__module__, cls.__qualname__):

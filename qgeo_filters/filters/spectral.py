@@ -32,6 +32,13 @@ class QuasiGeodesicSpectrum(MetricFilter):
         farthest points stand for all. None: all distances in any case. See `distance_spectrum`.
     scalar, curvature_weight, smoothing, method, accuracy
         See `MetricFilter`.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> filter = qg.QuasiGeodesicSpectrum(k=5)
+    >>> filter(surface).attributes["qgeo_phi"].shape, filter.spectrum_.eigenvalues.shape
+    ((162, 5), (5,))
     """
 
     outputs = {"qgeo_phi": "(n, k), 1/length: eigenfunctions of the distance operator, orthonormal over the area"}
@@ -76,6 +83,12 @@ class LaplacianSpectrum(Filter):
     ----------
     k : int
         Number of eigenpairs, by increasing eigenvalue, the constant one included.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> qg.LaplacianSpectrum(k=5)(surface).attributes["qgeo_laplacian_phi"].shape
+    (162, 5)
     """
 
     outputs = {"qgeo_laplacian_phi": "(n, k), 1/length: eigenfunctions of the Laplace-Beltrami operator"}

@@ -42,6 +42,15 @@ class TransferAttributes(Filter):
     from the nearest corner instead, since an interpolated label means nothing. Vertex indices stay indices of the
     source. Where neither `names` are given nor the source is a `Surface`, `outputs` is empty until the first call: it
     reads no file and no mesh of a host.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> rich = surface.with_attributes({"height": surface.vertices[:, 2]})
+    >>> bare, _ = surface.submesh(surface.vertices[:, 2] > 0)
+    >>> out = qg.TransferAttributes(source=rich)(bare)
+    >>> np.allclose(out.attributes["height"], bare.vertices[:, 2])
+    True
     """
 
     pointwise = True

@@ -15,6 +15,14 @@ class DistanceSolver(ABC):
     """Distances of one metric by one method, with all that is prepared only once.
 
     A method is a subclass, or a function ``(metric, accuracy, workers)`` that returns one: see `register_method`.
+
+    Examples
+    --------
+    >>> from qgeo_filters.geodesics.methods import METHODS
+    >>> surface = qg.testing.sample_surface()
+    >>> solver = METHODS["edges"](qg.lifted_metric(surface), 1e-3, None)
+    >>> isinstance(solver, qg.DistanceSolver)
+    True
     """
 
     #: Sources that one task takes.

@@ -64,6 +64,16 @@ def distances(
     ----------
     Wang, Fang, Xin, He, et al., "Discrete geodesic graph (DGG) for computing geodesic distances on discrete
     surfaces", Computer Aided Geometric Design 52-53, 2017.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> from_two = qg.distances(surface, [0, 7])
+    >>> from_two.shape, float(from_two[0, 0])
+    ((2, 162), 0.0)
+    >>> along_edges = qg.distances(surface, [0, 7], method="edges")
+    >>> bool((along_edges >= from_two * (1 - 1e-3)).all())
+    True
     """
     surface = as_surface(surface)
     chosen = metric_for(surface, metric, "cartesian")
@@ -106,6 +116,16 @@ def distance_matrix(
         ``out`` is there and is no such array, or that of another mesh, metric or accuracy.
     OSError
         ``out`` cannot be written, or the disk is full; what was written stays usable.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> matrix = qg.distance_matrix(surface)
+    >>> matrix.shape, matrix.dtype, bool((matrix == matrix.T).all())
+    ((162, 162), dtype('float32'), True)
+    >>> near = np.isclose(matrix[5], qg.distances(surface, 5, method="exact")[0], rtol=2e-3)
+    >>> bool(near.all())
+    True
     """
     surface = as_surface(surface)
     chosen = metric_for(surface, metric, "cartesian")

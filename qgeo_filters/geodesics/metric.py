@@ -49,6 +49,15 @@ class LiftedMetric:
         :math:`\lambda`, a fraction of sqrt(area) for each unit of f. 0 is the Cartesian metric.
     edge_lengths : (E,) float64
         In the unit of the vertices, for ``surface.edges``.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> metric = qg.lifted_metric(surface, curvature_weight=0.1)
+    >>> bool((metric.edge_lengths >= surface.edge_lengths).all())
+    True
+    >>> np.allclose(qg.lifted_metric(surface, curvature_weight=0).edge_lengths, surface.edge_lengths)
+    True
     """
 
     surface: Surface
@@ -117,6 +126,16 @@ def lifted_metric(
     ------
     ParameterError
         Weight negative or not finite, or what `surface_scalar` refuses.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> metric = qg.lifted_metric(surface, curvature_weight=0.1)
+    >>> plain, bent = qg.distances(surface, 0), qg.distances(surface, 0, metric)
+    >>> bool((bent >= plain * (1 - 1e-3)).all())
+    True
+    >>> qg.lifted_metric(surface, "gaussian_curvature", 0.03).curvature_weight
+    0.03
     """
     surface = as_surface(surface)
     if not 0 <= curvature_weight < np.inf:

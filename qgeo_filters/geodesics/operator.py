@@ -42,6 +42,15 @@ class DistanceOperator(LinearOperator):
         Three faces on an edge, or several fans at a vertex.
     ParameterError
         The metric of another surface, accuracy out of range.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> operator = qg.DistanceOperator(surface)
+    >>> operator.shape
+    (162, 162)
+    >>> np.allclose(operator @ np.ones(162), qg.distance_matrix(surface) @ np.ones(162), rtol=1e-5)
+    True
     """
 
     def __init__(

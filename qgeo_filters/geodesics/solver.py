@@ -49,11 +49,12 @@ class GeodesicSolver:
 
     Examples
     --------
+    >>> surface = qg.testing.sample_surface()
     >>> solver = qg.GeodesicSolver(surface, metric="lifted")
-    >>> solver.distances([0, 5]).shape
-    (2, 642)
-    >>> solver.path(0, 5).length
-    0.7341
+    >>> solver.distances([0, 5]).shape  # its graph is kept for what follows
+    (2, 162)
+    >>> bool(abs(solver.path(0, 5).length / solver.distances(0)[0, 5] - 1) < 1e-3)
+    True
     """
 
     def __init__(

@@ -59,6 +59,15 @@ def as_surface(obj: SurfaceLike, *, repair: RepairOption = False) -> Surface:
     ------
     MeshError
         What is no mesh, or a mesh that cannot be held; the message says what, where and how often.
+
+    Examples
+    --------
+    >>> vertices, faces = [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]
+    >>> qg.as_surface((vertices, faces))
+    Surface(3 vertices, 1 faces)
+    >>> import trimesh
+    >>> qg.as_surface(trimesh.creation.icosphere(1))
+    Surface(42 vertices, 80 faces)
     """
     if checked_repair(repair):
         given, repaired = surface_and_repair(obj, repair)

@@ -22,6 +22,12 @@ class Host(Protocol):
 
     A host may also have ``make(surface)``, a mesh of the library with the vertices, faces and attributes of a
     `Surface`; `testing.check_filter` then tries every filter on it.
+
+    Examples
+    --------
+    >>> from qgeo_filters.hosts import trimesh
+    >>> [hasattr(trimesh, name) for name in ("read", "write", "with_positions", "make")]
+    [True, True, True, True]
     """
 
     def read(self, mesh: Any, repair: bool, /) -> RawMesh:
@@ -57,6 +63,16 @@ def register_host(module_root: str, host: Host | str) -> None:
     ------
     ParameterError
         A name with dots, or a host without the functions.
+
+    Examples
+    --------
+    >>> qg.register_host("mymeshes", "my_package.qgeo_host")  # imported when such a mesh is met
+    >>> qg.register_host("my.meshes", "my_package.qgeo_host")
+    Traceback (most recent call last):
+        ...
+    qgeo_filters.errors.ParameterError: module_root must be the first part of a module's name, got 'my.meshes'
+    >>> from qgeo_filters.hosts.protocol import REGISTER
+    >>> _ = REGISTER.pop("mymeshes")  # as it was
     """
     if not isinstance(module_root, str) or not module_root.isidentifier():
         raise ParameterError(f"module_root must be the first part of a module's name, got {module_root!r}")

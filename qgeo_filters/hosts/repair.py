@@ -44,6 +44,15 @@ class Repair:
         Whether it was turned over: its corners are those of that face from last to first.
     report : tuple of str
         What was changed, one sentence each with its count; empty if nothing was.
+
+    Examples
+    --------
+    >>> soup = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 0, 0], [1, 1, 0], [0, 1, 0]]
+    >>> repair = qg.repair_surface((soup, [[0, 1, 2], [3, 4, 5]]))
+    >>> repair.origin, repair.vertex_of_original
+    (array([0, 1, 2, 5]), array([0, 1, 2, 0, 2, 3]))
+    >>> repair.report
+    ('2 boundary vertices joined with others at the same place',)
     """
 
     given: Surface
@@ -115,6 +124,16 @@ def repair_surface(
     MeshError
         No faces are left, so much would be removed that it must be forced (the message says what and how many pieces
         there are), or the arrays are no triangle list at all.
+
+    Examples
+    --------
+    >>> vertices = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [9, 9, 9]]
+    >>> faces = [[0, 1, 2], [0, 1, 2], [0, 3, 2]]  # one twice, one turned over
+    >>> repair = qg.repair_surface((vertices, faces))
+    >>> repair.surface, repair.vertex_of_original
+    (Surface(4 vertices, 2 faces), array([ 0,  1,  2,  3, -1]))
+    >>> repair.report
+    ('1 duplicate face removed', '1 face turned over to the orientation of the others', 'of 5 vertices 1 is gone (4)')
     """
     most_edges = checked_holes(fill_holes)
     repaired = repaired_within(obj, most_lost("force" if force else True), pieces)

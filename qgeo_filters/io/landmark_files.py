@@ -50,7 +50,7 @@ _NAMELESS = (".tps", ".landmarkascii")
 def read_landmarks(
     path: str | os.PathLike[str], *, specimen: str | int | None = None, frame: Frame | None = None
 ) -> Landmarks:
-    """Landmarks from a file.
+    r"""Landmarks from a file.
 
     Parameters
     ----------
@@ -78,10 +78,14 @@ def read_landmarks(
 
     Examples
     --------
-    >>> qg.read_landmarks("skull.mrk.json")
-    Landmarks(3 in LPS: nasion, bregma, lambda)
-    >>> qg.read_landmarks("mice.tps", specimen="WT_07").points.shape
-    (55, 3)
+    >>> import tempfile, pathlib
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> path = pathlib.Path(folder.name) / "skull.csv"
+    >>> _ = path.write_text("name,x,y,z\nnasion,0,1,2\nbregma,0,3,1\n")
+    >>> marks = qg.read_landmarks(path)
+    >>> marks, marks["bregma"]
+    (Landmarks(2: nasion, bregma), array([0., 3., 1.]))
+    >>> folder.cleanup()
     """
     file = Path(path)
     reader, _ = _format(file, "read")
@@ -121,6 +125,16 @@ def write_landmarks(path: str | os.PathLike[str], landmarks: Landmarks) -> None:
         Landmarks of which only vertices are known, for a format that holds positions.
     OSError
         Where the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> path = pathlib.Path(folder.name) / "skull.fcsv"
+    >>> qg.write_landmarks(path, qg.Landmarks(["nasion", "bregma"], [[0, 1, 2], [0, 3, 1]]))
+    >>> qg.read_landmarks(path)
+    Landmarks(2 in LPS: nasion, bregma)
+    >>> folder.cleanup()
     """
     file = Path(path)
     content = landmarks_content(file, landmarks)

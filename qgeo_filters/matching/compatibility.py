@@ -61,6 +61,13 @@ class Compatibility:
     baselines : (int, int)
     maps : tuple of (n,) int64
         Vertex of each pose for each vertex of the first baseline.
+
+    Examples
+    --------
+    >>> x = qg.testing.sample_surface()
+    >>> found = qg.compatibility([x, x.with_vertices(2 * x.vertices)], k=4)
+    >>> round(found.d_s, 3), found.index.shape, len(found.maps)
+    (0.0, (2, 4), 2)
     """
 
     d_s: float
@@ -116,6 +123,16 @@ def compatibility(
         Fewer than two poses, baselines out of range or equal, maps that do not fit, k out of range.
     MeshError
         See `distance_spectrum` and `match`.
+
+    Examples
+    --------
+    >>> x = qg.testing.sample_surface()
+    >>> poses = [x, x.with_vertices(2 * x.vertices), x.with_vertices(x.vertices * [1, 1, 1.1])]
+    >>> found = qg.compatibility(poses, k=4)
+    >>> found.c_xy.round(2)
+    array([[0.  , 0.  , 0.08],
+           [0.  , 0.  , 0.08],
+           [0.08, 0.08, 0.  ]])
     """
     poses, repairs = [], []
     for number, surface in enumerate(surfaces):

@@ -150,6 +150,16 @@ def match(
     Hints propose maps of their own, make maps dearer that disagree with them at each choice, and are felt by the
     registration near them (`KnownParts`). They may say that Y is a mirror image. The map is not confident if it
     contradicts one of them, or if without them another map would clearly have been chosen.
+
+    Examples
+    --------
+    >>> x = qg.testing.sample_surface()
+    >>> y = x.with_vertices(2 * x.vertices + [5, 0, 0])  # as large again, and elsewhere
+    >>> found = qg.match(x, y)
+    >>> found.confident, bool((found.p2p == np.arange(162)).all())
+    (True, True)
+    >>> print(found.explanation)
+    distances are kept to 0.000 sqrt(area) in the mean; there is no other map
     """
     checked_mirror(mirror)
     bar = tqdm(total=4, desc="prepare X", disable=not progress)

@@ -47,7 +47,15 @@ class LoggedMap:
 
 
 class MatchLog:
-    """Maps in the order of their proposal; ``print(log)`` is a table, ``log.table()`` rows for a data frame."""
+    """Maps in the order of their proposal; ``print(log)`` is a table, ``log.table()`` rows for a data frame.
+
+    Examples
+    --------
+    >>> x = qg.testing.sample_surface()
+    >>> found, log = qg.match(x, x.with_vertices(2 * x.vertices), log=True)
+    >>> print(str(log).splitlines()[0])
+    | number | proposed_by | mean_distortion | orientation | strain | torn | folded | hks_agreement | ...
+    """
 
     def __init__(self) -> None:
         self.maps: list[LoggedMap] = []

@@ -41,7 +41,7 @@ class MatchResult:
         Distance of the first 20 eigenfunctions, paired along the map (paper, sec. 4.2), see `spectral_distance`; both
         in the last metric that the shapes were prepared in, which is the lifted one.
     distortion : (n_x,) float64
-        Mean over points q of |d_X(p, q) - d_Y(Tp, Tq)|, in units of sqrt(area).
+        Mean over points q of :math:`|d_X(p, q) - d_Y(Tp, Tq)|`, in units of sqrt(area).
     score : float
         Mean of the distortion over the area: 0 for an isometry.
     runner_up : float
@@ -75,11 +75,15 @@ class MatchResult:
 
     Examples
     --------
-    >>> found = qg.match("template.ply", "scan.ply")
-    >>> labels = found.transfer(template_labels)  # whole numbers or text: by majority
-    >>> thickness = found.transfer(scan_thickness, to="x")  # numbers: interpolated
-    >>> qg.write_landmarks("scan.fcsv", found.landmarks(qg.read_landmarks("template.fcsv")))
-    >>> found.to_csv("map.csv")
+    >>> x = qg.testing.sample_surface()
+    >>> y = x.with_vertices(2 * x.vertices + [5, 0, 0])  # as large again, and elsewhere
+    >>> found = qg.match(x, y)
+    >>> found.transfer(np.where(x.vertices[:, 0] > 0, 1, 0))[:8]  # labels: by majority
+    array([0, 0, 1, 1, 0, 0, 0, 0])
+    >>> np.allclose(found.transfer(x.vertices), x.vertices, atol=0.01)  # numbers: interpolated
+    True
+    >>> found.landmarks([17, 140]).vertices
+    array([ 17, 140])
     """
 
     x: Surface
@@ -156,9 +160,15 @@ class MatchResult:
 
         Examples
         --------
-        >>> found.transfer(x.attributes["organ"])  # (n_y,) labels
-        >>> found.transfer(y.vertices, to="x")  # (n_x, 3) points of Y
-        >>> found.transfer(rgba, interpolate=True, missing=128).astype(np.uint8)
+        >>> x = qg.testing.sample_surface()
+        >>> found = qg.match(x, x.with_vertices(2 * x.vertices))
+        >>> organ = np.where(x.vertices[:, 0] > 0, "head", "tail")
+        >>> [str(name) for name in found.transfer(organ)[:3]]  # (n_y,) labels
+        ['tail', 'tail', 'head']
+        >>> found.transfer(found.y.vertices, to="x").shape  # (n_x, 3) points of Y
+        (162, 3)
+        >>> found.transfer(np.arange(162) % 256, interpolate=True).dtype
+        dtype('float64')
         """
         source, target = ("X", "Y") if self._forward(to) else ("Y", "X")
         here, there = (self.x, self.y) if source == "X" else (self.y, self.x)
@@ -200,10 +210,12 @@ class MatchResult:
 
         Examples
         --------
-        >>> found.landmarks([17, 240]).vertices
-        array([ 31, 205])
-        >>> found.landmarks([[0.1, 0.7, 0.2]]).points
-        array([[0.12, 0.69, 0.25]])
+        >>> x = qg.testing.sample_surface()
+        >>> found = qg.match(x, x.with_vertices(2 * x.vertices))
+        >>> found.landmarks([17, 140]).vertices
+        array([ 17, 140])
+        >>> np.allclose(found.landmarks(x.vertices[[17]]).points, 2 * x.vertices[[17]], atol=0.02)
+        True
         """
         given = map_landmarks.as_landmarks(points)
         if self._forward(to):

@@ -68,7 +68,17 @@ FINAL: Stages = (COARSE_TO_FINE[1], Stage(_SIZES, 0.03, 0.015, 0.03, full=90))
 
 @dataclass(frozen=True)
 class MatchingParameters:
-    """What `match` and `self_symmetry` go by; the defaults are what every figure of the README was measured with."""
+    """What `match` and `self_symmetry` go by; the defaults are what every figure of the README was measured with.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> default = qg.MatchingParameters()
+    >>> default.search_vertices, default.registration_vertices
+    (2000, 4000)
+    >>> replace(default, search_vertices=1000).search_vertices
+    1000
+    """
 
     # -- of one shape (`PreparedShape`); two shapes must have been prepared with the same --------------------
     #: Weights of mean curvature in the metrics that propose maps: the surface's own and two lifted ones, whose

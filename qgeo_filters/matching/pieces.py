@@ -68,6 +68,15 @@ class PiecewiseMatch:
     explanation : str
     repairs : tuple of str
         What was repaired before, a sentence each.
+
+    Examples
+    --------
+    >>> x = qg.testing.sample_surface()
+    >>> vertices = np.concatenate([x.vertices, 0.5 * x.vertices + 9])
+    >>> both = qg.Surface(vertices, np.concatenate([x.faces, x.faces + 162]))  # two pieces
+    >>> found = qg.match_pieces(both, both)
+    >>> print(found.explanation)
+    each piece has a partner, and is sure of it
     """
 
     x: Surface
@@ -145,6 +154,15 @@ def match_pieces(
         No piece that can be matched; a piece that cannot be, see `match`.
     ParameterError
         Partners that are not there, or occur twice.
+
+    Examples
+    --------
+    >>> x = qg.testing.sample_surface()
+    >>> vertices = np.concatenate([x.vertices, 0.5 * x.vertices + 9])
+    >>> both = qg.Surface(vertices, np.concatenate([x.faces, x.faces + 162]))  # two pieces
+    >>> found = qg.match_pieces(both, both)
+    >>> found.confident, len(found.pieces), bool((found.p2p == np.arange(324)).all())
+    (True, 2, True)
     """
     chosen = MatchingParameters() if parameters is None else parameters
     sides = []

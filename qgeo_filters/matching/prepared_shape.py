@@ -59,6 +59,15 @@ class PreparedShape(Level):
     it has as a `Level`, such as ``surface`` and ``unit``, is coarse: a proxy on which maps are sought, where the shape
     has more than 2400 vertices. All that is expensive is computed there, on first use: memory is O(n). Distances are
     measured on the surface as it is, and what is derived from them is brought to unit area.
+
+    Examples
+    --------
+    >>> x = qg.testing.sample_surface()
+    >>> shape = qg.PreparedShape(x)  # computes nothing yet
+    >>> found = qg.match(shape, x.with_vertices(2 * x.vertices))
+    >>> again = qg.match(shape, x.with_vertices(3 * x.vertices))  # what belongs to x is there
+    >>> found.confident, again.confident
+    (True, True)
     """
 
     @renamed_parameters(weights="curvature_weights")

@@ -79,6 +79,20 @@ class Symmetry:
     repairs : tuple of str
         What was repaired before, a sentence each; empty if nothing was. A vertex that had to go has no mirror vertex:
         -1, see `symmetry_on_given`.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> ball = surface.vertices / [1.4, 1, 0.8]
+    >>> ball /= np.linalg.norm(ball, axis=1, keepdims=True)
+    >>> radius = 1 + 0.3 * ball[:, [1]] + 0.25 * ball[:, [1]] * ball[:, [2]]
+    >>> body = surface.with_vertices(ball * [1, 1.6, 0.7] * radius)  # its own mirror image in x = 0
+    >>> symmetry = qg.self_symmetry(body)
+    >>> print(symmetry.reason)
+    a reflection that distorts distances by 0.000 sqrt(area) in the mean
+    >>> sides = symmetry.side[[body.vertices[:, 0].argmin(), body.vertices[:, 0].argmax()]]
+    >>> int(sides.sum()), len(symmetry.curve) > 0
+    (0, True)
     """
 
     found: bool
@@ -140,6 +154,19 @@ def self_symmetry(
         See `PreparedShape`.
     ParameterError
         A tolerance that is not positive, or a shape that was prepared with other parameters.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> ball = surface.vertices / [1.4, 1, 0.8]
+    >>> ball /= np.linalg.norm(ball, axis=1, keepdims=True)
+    >>> radius = 1 + 0.3 * ball[:, [1]] + 0.25 * ball[:, [1]] * ball[:, [2]]
+    >>> body = surface.with_vertices(ball * [1, 1.6, 0.7] * radius)  # its own mirror image in x = 0
+    >>> symmetry = qg.self_symmetry(body)
+    >>> symmetry.found, bool((symmetry.p2p[symmetry.p2p] == np.arange(162)).all())
+    (True, True)
+    >>> np.allclose(body.vertices[symmetry.nearest] * [-1, 1, 1], body.vertices)
+    True
     """
     if not 0 < tolerance < np.inf:
         raise ParameterError(f"the tolerance must be a positive fraction of sqrt(area), got {tolerance!r}")

@@ -48,7 +48,13 @@ def write_animation(
 
     Examples
     --------
-    >>> qg.write_animation("camel.glb", qg.transfer_deformation(horse, gallop, camel))
+    >>> import tempfile, pathlib
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> x = qg.testing.sample_surface()
+    >>> qg.write_animation(pathlib.Path(folder.name) / "grow.glb", qg.Animation(x, [x.vertices, 2 * x.vertices]))
+    >>> sorted(path.name for path in pathlib.Path(folder.name).iterdir())
+    ['grow.glb']
+    >>> folder.cleanup()
     """
     suffix = checked_kind(path)
     if suffix == ".npz":

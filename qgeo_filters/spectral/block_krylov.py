@@ -77,6 +77,16 @@ def streamed_spectrum(
     Musco, Musco, "Randomized block Krylov methods for stronger and faster approximate singular value
     decomposition", NeurIPS 2015. Halko, Martinsson, Tropp, "Finding structure with randomness", SIAM Review 53(2),
     2011, sec. 5.5 (the last step, for matrices that are positive).
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> spectrum = qg.streamed_spectrum(surface, k=3, landmarks=60)
+    >>> full = qg.distance_spectrum(surface, k=3)
+    >>> np.allclose(spectrum.eigenvalues, full.eigenvalues, rtol=1e-3)
+    True
+    >>> bool((spectrum.residuals < 1e-2).all())
+    True
     """
     if repair == "auto" and isinstance(metric, LiftedMetric):
         repair = False

@@ -58,6 +58,15 @@ class CommutativeSpectra:
         What eq. (4) leaves: off-diagonal share of the couplings times eigenvalues, 0 to 1.
     c_xy : float
         `spectral_distance` of the pairs.
+
+    Examples
+    --------
+    >>> x = qg.distance_spectrum(qg.testing.sample_surface(), k=5)
+    >>> same = qg.commutative_eigenspectra(x, x, np.arange(162))
+    >>> same.signs, round(same.c_xy, 6), bool(same.residual < 1e-9)
+    (array([1., 1., 1., 1., 1.]), 0.0, True)
+    >>> same.coupling.round(6).diagonal()
+    array([1., 1., 1., 1., 1.])
     """
 
     index_x: IndexArray
@@ -105,6 +114,15 @@ def commutative_eigenspectra(
     ------
     ValueError
         A map of the wrong length or range; size out of range.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> x = qg.distance_spectrum(surface, k=5)
+    >>> y = qg.distance_spectrum(surface.with_vertices(1.05 * surface.vertices * [1, 1, 0.97]), k=5)
+    >>> pairs = qg.commutative_eigenspectra(x, y, np.arange(162))
+    >>> pairs.index_y, bool(pairs.c_xy < 1)
+    (array([0, 1, 2, 3, 4]), True)
     """
     functions_x, pulled = _mean_square_one(spectrum_x), _mean_square_one(spectrum_y)
     pulled = pulled[_checked_map(spectrum_x, spectrum_y, p2p)]

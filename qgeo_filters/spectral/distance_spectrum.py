@@ -105,6 +105,16 @@ def distance_spectrum(
         The distances do not fit into memory.
     ParameterError
         k out of range; landmarks together with a matrix; the metric of another surface.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> spectrum = qg.distance_spectrum(surface, k=5)
+    >>> spectrum.eigenfunctions.shape, spectrum.eigenvalues.round(2)
+    ((162, 5), array([25.06, -6.99, -5.65, -5.57, -0.71]))
+    >>> inner = spectrum.eigenfunctions.T @ (spectrum.areas[:, None] * spectrum.eigenfunctions)
+    >>> np.allclose(inner, np.eye(5), atol=1e-6)
+    True
     """
     if repair == "auto" and (isinstance(metric, LiftedMetric) or matrix is not None):
         repair = False

@@ -52,6 +52,14 @@ def commutator_norm(a: npt.ArrayLike, b: npt.ArrayLike, relative: bool = True) -
     ------
     ValueError
         Shapes that differ or are not square.
+
+    Examples
+    --------
+    >>> a = np.diag([3.0, 2.0, 1.0])
+    >>> qg.commutator_norm(a, np.diag([5.0, 4.0, 0.0]))
+    0.0
+    >>> bool(qg.commutator_norm(a, np.ones((3, 3))) > 0.1)
+    True
     """
     left, right = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
     if left.shape != right.shape or left.ndim != 2 or left.shape[0] != left.shape[1]:
@@ -91,6 +99,15 @@ def joint_diagonalizer(
     ----------
     Cardoso and Souloumiac, "Jacobi angles for simultaneous diagonalization", SIAM Journal on Matrix Analysis and
     Applications 17(1), 1996.
+
+    Examples
+    --------
+    >>> turn, _ = np.linalg.qr(np.arange(9.0).reshape(3, 3) + np.eye(3))
+    >>> a, b = (turn @ np.diag(values) @ turn.T for values in ([3.0, 2, 1], [1.0, 5, 2]))
+    >>> found = qg.joint_diagonalizer([a, b])
+    >>> in_both = found.basis.T @ a @ found.basis
+    >>> np.allclose(in_both, np.diag(np.diag(in_both)), atol=1e-8)
+    True
     """
     stack = _checked_stack(matrices)
     k = stack.shape[1]

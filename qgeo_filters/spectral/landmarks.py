@@ -118,6 +118,13 @@ def landmark_spectrum(
     See Also
     --------
     landmark_operator : the approximation, its error and its cost.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> full, few = qg.distance_spectrum(surface, k=3), qg.landmark_spectrum(surface, k=3, landmarks=60)
+    >>> bool((np.abs(few.eigenvalues / full.eigenvalues - 1) < 0.1).all())
+    True
     """
     if repair == "auto" and isinstance(metric, LiftedMetric):
         repair = False

@@ -51,6 +51,13 @@ def laplacian_spectrum(surface: SurfaceLike, k: int = 20, *, repair: RepairOptio
     References
     ----------
     Sharp and Crane, "A Laplacian for nonmanifold triangle meshes", SGP 2020.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> spectrum = qg.laplacian_spectrum(surface, k=4)
+    >>> bool(abs(spectrum.eigenvalues[0]) < 1e-6), bool((np.diff(spectrum.eigenvalues) > 0).all())
+    (True, True)
     """
     return spectrum_of_mesh(surface, repair, lambda mesh, _: _spectrum(mesh, k))
 

@@ -73,6 +73,13 @@ def proxy_spectrum(
     the noise of a scan above all, lengthens no way there, though it does on the surface itself, the more the finer
     that is. So this is **another spectrum** where the scalar is rough (a sine of .2 for the first ten, with the mean
     curvature at its default weight); take landmarks there, as `distance_spectrum` does.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> spectrum = qg.proxy_spectrum(surface, k=3, metric="cartesian", vertices=100)
+    >>> spectrum.eigenfunctions.shape, spectrum.approximation
+    ((162, 3), 'a proxy of 100 vertices, 100 of them landmarks')
     """
     surface = as_surface(surface)
     surface.require_connected("the spectrum of the distances")

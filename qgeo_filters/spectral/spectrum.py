@@ -51,6 +51,14 @@ class Spectrum:
     approximation : str
         What stands for the distances between all vertices: some landmarks, or a proxy of the surface. Empty where
         nothing does.
+
+    Examples
+    --------
+    >>> spectrum = qg.distance_spectrum(qg.testing.sample_surface(), k=5)
+    >>> spectrum.k, spectrum.n_vertices, spectrum.multiplets
+    (5, 162, ((0,), (1,), (2, 3), (4,)))
+    >>> round(float(spectrum.areas.sum() - qg.testing.sample_surface().area), 9)
+    0.0
     """
 
     eigenvalues: FloatArray

@@ -57,6 +57,16 @@ def animate(
     All frames are sent at once, 24 bytes for each vertex of each (position and normal in float32), at most 64 MB and
     250 frames a shape. Where that is not enough, a mesh of fewer vertices is drawn, and after that only some frames are
     sent, evenly chosen; the title says so. What Python has, `time` and `frame` too, stays as it is.
+
+    Examples
+    --------
+    >>> import qgeo_widgets as qw
+    >>> x = qg.testing.sample_surface()
+    >>> widget = qw.animate(qg.Animation(x, [x.vertices, 2 * x.vertices]))
+    >>> widget.time = 1.0
+    >>> widget.frame, widget.message
+    (1, '')
+    >>> widget.close()
     """
     from qgeo_widgets.animate_widget import AnimateWidget
 
@@ -124,6 +134,16 @@ def compare(
         Width and height of each canvas in pixels.
     progress : bool
         Show progress while the map is sought.
+
+    Examples
+    --------
+    >>> import qgeo_widgets as qw
+    >>> x = qg.testing.sample_surface()
+    >>> widget = qw.compare(x, x.with_vertices(2 * x.vertices), p2p=np.arange(162))
+    >>> widget.picked = ("x", 17)
+    >>> widget.picked, widget.message
+    (('x', 17), '')
+    >>> widget.close()
     """
     from qgeo_widgets.compare_widget import CompareWidget
 
@@ -158,6 +178,14 @@ def geodesics(
         What lifts the metric, see `qgeo_filters.surface_scalar`.
     size : (int, int)
         Width and height of the canvas in pixels.
+
+    Examples
+    --------
+    >>> import qgeo_widgets as qw
+    >>> widget = qw.geodesics(qg.testing.sample_surface(), source=0, target=50)
+    >>> widget.path.converged, widget.message
+    (True, '')
+    >>> widget.close()
     """
     from qgeo_widgets.geodesics_widget import GeodesicsWidget
 
@@ -182,6 +210,15 @@ def matrix(
         Of the lifted metric; 0 is the surface's own.
     size : int
         Width and height of each canvas in pixels.
+
+    Examples
+    --------
+    >>> import qgeo_widgets as qw
+    >>> widget = qw.matrix(qg.testing.sample_surface())
+    >>> widget.row = 3
+    >>> widget.message
+    ''
+    >>> widget.close()
     """
     from qgeo_widgets.matrix_widget import MatrixWidget
 
@@ -208,6 +245,20 @@ def symmetry(
         Of the lifted metric of the eigenfunctions in eq. (3); 0 is the surface's own.
     size : (int, int)
         Width and height of each canvas in pixels.
+
+    Examples
+    --------
+    >>> import qgeo_widgets as qw
+    >>> surface = qg.testing.sample_surface()
+    >>> ball = surface.vertices / [1.4, 1, 0.8]
+    >>> ball /= np.linalg.norm(ball, axis=1, keepdims=True)
+    >>> radius = 1 + 0.3 * ball[:, [1]] + 0.25 * ball[:, [1]] * ball[:, [2]]
+    >>> body = surface.with_vertices(ball * [1, 1.6, 0.7] * radius)  # its own mirror image in x = 0
+    >>> widget = qw.symmetry(body, symmetry=qg.self_symmetry(body))
+    >>> widget.picked = 3
+    >>> widget.message
+    ''
+    >>> widget.close()
     """
     from qgeo_widgets.symmetry_widget import SymmetryWidget
 

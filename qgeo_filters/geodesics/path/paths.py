@@ -52,6 +52,17 @@ class GeodesicPath:
         The first path, before it was straightened.
     lengths : (rounds,) float64
         Length of the first path, then after each round of straightening, never increasing.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> path = qg.quasi_geodesic(surface, 0, 50)
+    >>> steps = np.linalg.norm(np.diff(path.points, axis=0), axis=1)
+    >>> bool(np.isclose(steps.sum(), path.length))
+    True
+    >>> at = np.einsum("pi,pij->pj", path.barycentric, surface.vertices[surface.faces[path.faces]])
+    >>> np.allclose(at, path.points)
+    True
     """
 
     points: FloatArray
@@ -115,6 +126,15 @@ def quasi_geodesic(
     2005: a point inside an edge goes to where the unfolded triangles make the path straight, at a vertex the
     path goes to the side whose angle is below pi and stays if both are at least pi. All points inside edges are
     corrected at once by the taut path through the unfolded triangles.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> path = qg.quasi_geodesic(surface, 0, 50)
+    >>> path.converged, bool(np.isclose(path.length, qg.distances(surface, 0, method="exact")[0, 50]))
+    (True, True)
+    >>> path.points.shape[1], len(path.kappa_g) == len(path.points) - 2
+    (3, True)
     """
     surface = as_surface(surface)
     finder = PathFinder(surface, metric_for(surface, metric, "cartesian"), initial, tolerance)
@@ -148,6 +168,13 @@ def quasi_geodesics(
     ------
     DisconnectedError, NonManifoldError, ParameterError, MeshError
         As `quasi_geodesic`.
+
+    Examples
+    --------
+    >>> surface = qg.testing.sample_surface()
+    >>> paths = qg.quasi_geodesics(surface, [(0, 50), (3, 99)])
+    >>> [path.converged for path in paths]
+    [True, True]
     """
     surface = as_surface(surface)
     table = np.asarray(pairs)

@@ -42,6 +42,13 @@ def barycentric_map(positions: npt.ArrayLike, p2p: npt.ArrayLike, y: SurfaceLike
     ------
     ValueError
         Shapes that do not match, vertices out of range or without triangles, fewer than one ring.
+
+    Examples
+    --------
+    >>> x = qg.testing.sample_surface()
+    >>> found = qg.barycentric_map(x.vertices + 0.001, np.arange(162), x)
+    >>> np.allclose(found.pulled_back(x.vertices), x.vertices, atol=0.002)
+    True
     """
     y = as_surface(y)
     points = np.asarray(positions, dtype=np.float64)
