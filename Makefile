@@ -1,3 +1,3 @@
-.PHONY: demo test coverage dist
-demo test coverage dist:
+.PHONY: demo test coverage docs dist
+demo test coverage docs dist:
 	@bash run.sh $@

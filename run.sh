@@ -4,7 +4,8 @@
 #   test [OPTIONS]   lint, types and tests; options go to pytest
 #   coverage         all tests, and how much of the code they ran: a quarter longer, so not part of the gate
 #   dist             wheel and source distribution, checked, and the wheel used in bare environments: a few minutes
-#   setup EXTRA      only the environment, with this extra of pyproject.toml (all, test)
+#   docs [OPTIONS]   the pages of docs/, into docs/_build/html; options go to Sphinx (-D plot_gallery=0 runs no example)
+#   setup EXTRA      only the environment, with this extra of pyproject.toml (all, test, docs)
 # PYTHON chooses the interpreter (3.11 to 3.13), VENV the folder of the environment, QGEO_TEST_SEED the order of the tests
 # (pytest prints it; `-p no:randomly` runs them as they are written).
 set -euo pipefail
@@ -96,11 +97,17 @@ dist)
     "$bin/python" -m pip install -q --disable-pip-version-check "build>=1.2" "twine>=6"
     exec "$bin/python" .ci/distributions.py "$@"
     ;;
+docs)
+    shift
+    setup docs
+    export OPENBLAS_NUM_THREADS=1
+    exec "$bin/python" -m sphinx -W --keep-going -b html "$@" docs docs/_build/html # -W: no warning is let through
+    ;;
 setup)
     setup "${2:-all}"
     ;;
 *)
-    sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
+    sed -n '2,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
     exit 2
     ;;
 esac
