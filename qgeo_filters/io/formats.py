@@ -10,10 +10,10 @@ suffix              read                                          written
 .glb, .gltf         the scene, colours; vertices are welded       .glb, float32
 .vert + .tri        TOSCA, from 1; either name or the stem        both files, 17 digits
 .mat                MATLAB 4 to 7: X, Y, Z (or VERT) with TRIV    ``surface`` with X, Y, Z, TRIV
-.vtk, .vtp, .vtu    polygons, strips, grids; point data           -
-.msh                Gmsh 2 and 4; node data are attributes        -
-.gii                GIFTI; further arrays are attributes          -
-lh.pial, rh.white   FreeSurfer, told by the first bytes           -
+.vtk, .vtp, .vtu    polygons, strips, grids; point data           no
+.msh                Gmsh 2 and 4; node data are attributes        no
+.gii                GIFTI; further arrays are attributes          no
+lh.pial, rh.white   FreeSurfer, told by the first bytes           no
 ==================  ============================================  =======================================
 
 VTK's files need PyVista's extra, those below the extra ``files``.
