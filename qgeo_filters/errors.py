@@ -84,7 +84,13 @@ class TooLargeError(QgeoError, MemoryError):
 
 
 class WorkersLostError(QgeoError, RuntimeError):
-    """Worker processes or a cluster that went away in the middle of their work; what was finished is kept."""
+    """Worker processes or a cluster that went away in the middle of their work; what was finished is kept.
+
+    Examples
+    --------
+    >>> issubclass(qg.WorkersLostError, (qg.QgeoError, RuntimeError))
+    True
+    """
 
 
 class MissingPackageError(QgeoError, ImportError):

@@ -65,9 +65,13 @@ class Collection(Runs, Consistent, Matrices):
 
     Examples
     --------
-    >>> teeth = qg.Collection("teeth/", "teeth.zarr", groups=lambda name: name[:5])
-    >>> teeth.match(progress=True).table()
-    >>> teeth.distances("c_xy")
+    >>> pose = qg.testing.sample_surface()
+    >>> poses = {"low": pose, "high": pose.with_vertices(pose.vertices * [1, 1, 1.1])}
+    >>> collection = qg.Collection(poses, groups=lambda name: name[0])  # store="poses.zarr" keeps what is found
+    >>> collection.names, collection.groups
+    (('low', 'high'), {'low': 'l', 'high': 'h'})
+    >>> collection.status().pairs  # .match(progress=True) finds their maps, .table() has a row for each
+    1
     """
 
     def __init__(

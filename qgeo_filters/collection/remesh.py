@@ -63,8 +63,12 @@ def remesh_like(
 
     Examples
     --------
-    >>> same = qg.remesh_like("template.ply", "scan.ply")
-    >>> np.linalg.norm(same.vertices - template.vertices, axis=1)  # vertex by vertex
+    >>> template = qg.testing.sample_surface()
+    >>> longer = template.with_vertices(template.vertices * [1, 1, 1.2])
+    >>> shape = qg.Surface(longer.vertices[::-1], 161 - longer.faces)  # the same in another numbering
+    >>> same = qg.remesh_like(template, shape, 161 - np.arange(162))  # without a map it is found
+    >>> bool((same.faces == template.faces).all()), bool(np.allclose(same.vertices, longer.vertices, atol=0.02))
+    (True, True)
     """
     with default_workers(workers), single_threaded_blas:
         body, target = as_given(template, "auto")[0], as_given(shape, "auto")[0]

@@ -97,6 +97,17 @@ def collection(
         has the template and the first 11 others.
     size : (int, int)
         Width and height of each canvas in pixels.
+
+    Examples
+    --------
+    >>> import qgeo_widgets as qw
+    >>> low = qg.testing.sample_surface()
+    >>> high = low.with_vertices(low.vertices * [1, 1, 1.2])
+    >>> widget = qw.collection({"low": low, "high": high}, {"high": np.arange(162)})
+    >>> widget.picked = 17
+    >>> widget.partners, widget.message
+    ((17, 17), '')
+    >>> widget.close()
     """
     from qgeo_widgets.collection_widget import CollectionWidget
 
