@@ -8,14 +8,17 @@ from typing import Any
 
 import ipywidgets
 import traitlets
+from IPython.display import display
 
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.validation import checked_count
 from qgeo_widgets import controls
+from qgeo_widgets.cell_widgets import replace_earlier
 from qgeo_widgets.coloring import ColoredWidget
 from qgeo_widgets.disposal import close_tree
 from qgeo_widgets.offscreen import data_url, pane_picture, png_url, snapshot
+from qgeo_widgets.saved_image import LIVE, display_with_image
 from qgeo_widgets.snapshot_figure import Chart, Picture
 from qgeo_widgets.viewer import Viewer, checked_camera
 
@@ -49,6 +52,7 @@ class ShapeWidget(ColoredWidget):
     def __init__(self) -> None:
         self._titles: Sequence[str] = ()
         super().__init__()
+        replace_earlier(self)
 
     # -- for subclasses -----------------------------------------------------------------------------
 
@@ -184,6 +188,17 @@ class ShapeWidget(ColoredWidget):
         viewer = self._open_viewer
         for pane, fallback in zip(viewer.panes, viewer.fallbacks, strict=True):
             fallback.show(png_url(pane_picture(viewer, pane)))
+
+    def _ipython_display_(self, **kwargs: Any) -> None:
+        bundle = super()._repr_mimebundle_(**kwargs)
+        data = bundle[0] if isinstance(bundle, tuple) else bundle
+        name = f"{type(self).__name__}: {self._page_title}"
+        if self._viewer is None or not data:
+            display(data or {"text/plain": name}, raw=True)
+            return
+        self._draw_fallbacks()
+        self.add_class(LIVE + self.model_id)
+        display_with_image(data, self.model_id, name, data_url(self.snapshot(dpi=96)))
 
     def _repr_mimebundle_(self, **kwargs: Any) -> Any:
         bundle = super()._repr_mimebundle_(**kwargs)
