@@ -115,6 +115,9 @@ def test_matrix_by_mouse(notebook, page, pair):
         tools.until(lambda f=fraction: abs(int(book.python("print(w.row)")) - f * rows) < 3)
     assert book.python("print(w.mode, w.picked == w._vertex_of_row[w.row])") == "distances of the row True"
     tools.until(lambda: np.abs(tools.pixels(shape) - before).mean() > 3)
+    first = tools.settled(matrix)
+    book.python("w.limits = (0.0, 0.3)")  # the matrix has the scale of the shape
+    tools.until(lambda: np.abs(tools.pixels(matrix) - first).mean() > 10)
 
 
 def test_geodesics_by_mouse(notebook, page, pair):
