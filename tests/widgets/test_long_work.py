@@ -25,7 +25,7 @@ def slow(monkeypatch):
         in_threads(lambda _: threading.Event().wait(0.02), range(3000), 1, description="step")
         raise AssertionError("it was not cancelled")
 
-    monkeypatch.setattr(shape, "_QUICK", 10)
+    monkeypatch.setattr(shape, "QUICK", 10)
     monkeypatch.setattr(stages, "symmetry_of", forever)
     monkeypatch.setattr(stages, "spectrum_of", forever)
     return begun

@@ -18,10 +18,9 @@ def cell(monkeypatch):
     parent = {}
     kernel = SimpleNamespace(get_parent=lambda channel: parent)
     monkeypatch.setattr(cell_widgets, "get_ipython", lambda: SimpleNamespace(kernel=kernel))
-    monkeypatch.setattr(cell_widgets, "_made", {})
 
     def runs(name, message, kind="execute_request"):
-        metadata = {"cellId": name} if name else {}
+        metadata = {"cellId": f"{id(parent)} {name}"} if name else {}
         parent.update(header={"msg_id": message, "msg_type": kind}, metadata=metadata)
 
     return runs

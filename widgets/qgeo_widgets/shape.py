@@ -22,7 +22,7 @@ from qgeo_filters.surface import Surface
 
 _KEPT_FIELDS = 64
 #: Vertices up to which a spectrum or a symmetry is there in no time to speak of.
-_QUICK = 1500
+QUICK = 1500
 
 
 class Shape:
@@ -68,7 +68,7 @@ class Shape:
     @property
     def spectrum_takes_long(self) -> bool:
         """Whether eigenpairs are still to be computed, of a surface for which that takes seconds and more."""
-        return "spectrum" not in self.__dict__ and self.surface.n_vertices > _QUICK
+        return "spectrum" not in self.__dict__ and self.surface.n_vertices > QUICK
 
     def distances_from(self, vertex: int) -> FloatArray:
         """Quasi-geodesic distance of every vertex from one, (n,), in units of sqrt(area); the last 64 are kept."""
