@@ -61,6 +61,7 @@ def test_the_picture_is_an_output_of_its_own(pair, monkeypatch):
     assert set(live) == {"application/vnd.jupyter.widget-view+json", "text/plain"}
     assert live["text/plain"] == "CompareWidget: Two shapes and the map between them"
     assert re.search('<img alt="CompareWidget[^>]+ src="data:image/png;base64,iVBOR', picture["text/html"])
+    assert picture["image/png"].startswith(b"\x89PNG")
     assert f"body:has(.qgeo-live-{widget.model_id})" in picture["text/html"]
     assert f"qgeo-live-{widget.model_id}" in widget._dom_classes
     widget.close()

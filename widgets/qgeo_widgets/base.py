@@ -198,7 +198,7 @@ class ShapeWidget(ColoredWidget):
             return
         self._draw_fallbacks()
         self.add_class(LIVE + self.model_id)
-        display_with_image(data, self.model_id, name, data_url(self.snapshot(dpi=96)))
+        display_with_image(data, self.model_id, name, self.snapshot(dpi=96))
 
     def _repr_mimebundle_(self, **kwargs: Any) -> Any:
         bundle = super()._repr_mimebundle_(**kwargs)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from IPython.display import display
 
+from qgeo_widgets.offscreen import data_url
+
 LIVE = "qgeo-live-"
 
 
-def display_with_image(widget_bundle: dict[str, object], identity: str, name: str, url: str) -> None:
+def display_with_image(widget_bundle: dict[str, object], identity: str, name: str, png: bytes) -> None:
     """Two outputs: the widget, and a picture that the style sheet hides while the widget is in the page.
 
     A front end that knows widgets chooses the widget among several forms of one output, also where there is no kernel
@@ -21,9 +23,10 @@ def display_with_image(widget_bundle: dict[str, object], identity: str, name: st
     identity : str
         Of the widget, whose element in the page has the class ``LIVE + identity``.
     name : str
-    url : str
-        Of the picture.
+    png : bytes
+        The picture.
     """
+    url = data_url(png)
     plain = {"image/png", "text/plain"}
     view = {kind: data for kind, data in widget_bundle.items() if kind not in plain}
     display({**view, "text/plain": name}, raw=True)
@@ -32,4 +35,5 @@ def display_with_image(widget_bundle: dict[str, object], identity: str, name: st
         f'<div class="qgeo-saved-{identity}"><img alt="{name}, as it was when the cell was run" src="{url}" '
         'style="max-width:100%"></div>'
     )
-    display({"text/html": image, "text/plain": ""}, raw=True)
+    # The bare picture is for what takes no HTML, LaTeX for one.
+    display({"text/html": image, "image/png": png, "text/plain": ""}, raw=True)
