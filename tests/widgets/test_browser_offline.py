@@ -146,7 +146,7 @@ def test_a_line_without_length_is_not_drawn(pair, make):
 def test_a_page_with_a_line_too_short_to_see_is_not_blank(pair, tmp_path, offline):
     widget = qw.geodesics(pair[0])
     place = pair[0].vertices[5]
-    widget._viewer.panes[0].lines["path"] = np.stack([place, place, place]), (1.0, 0.0, 0.0)
+    widget._viewer.panes[0].lines["path"] = np.stack([place, place + 1e-8, place]), (1.0, 0.0, 0.0)
     widget.to_html(tmp_path / "page.html")
     widget.close()
     page = offline(tmp_path / "page.html")
