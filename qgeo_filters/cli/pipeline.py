@@ -62,11 +62,22 @@ def run(
     patient = any(mesh.is_dir() for mesh in meshes)
     files = [file for mesh in meshes for file in mesh_files(mesh)] if patient else meshes
     bad = _Bad(patient)
+    folders = _folders(settings.folder("run"), files, patient)
+    # What a folder must not hold is said before any mesh is read.
+    begun = [
+        Job(
+            "run",
+            replace(settings, output=folder),
+            parameters,
+            [mesh],
+            inputs=[pipeline, *files],
+            pictures=steps.outputs,
+        )
+        for folder, mesh in zip(folders, files, strict=True)
+    ]
     jobs = []
-    for folder, mesh in zip(_folders(settings.folder("run"), files, patient), files, strict=True):
-        own = replace(settings, output=folder)
-        job = Job("run", own, parameters, [mesh], inputs=[pipeline, *files], pictures=steps.outputs)
-        with bad.named(mesh, reading=True):
+    for job in begun:
+        with bad.named(job.paths[0], reading=True):
             jobs.append((job, job.read_given()[0]))
     for job, surface in jobs:
         with bad.named(job.paths[0]):
