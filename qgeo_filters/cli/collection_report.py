@@ -157,11 +157,20 @@ def _collection_pictures(collection: Collection) -> dict[str, tuple[str, Any]]:
     drawn: dict[str, tuple[str, Any]] = {
         "c_xy": (f"{meaning}; grey: not matched.", applied(plot_heat_map, square, groups, label=label))
     }
-    if len(square) > 2 and not square.isna().to_numpy().any():
-        caption = "The shapes by C_XY: those that join early are near to each other."
-        drawn["dendrogram"] = (caption, applied(plot_dendrogram, square, groups, label=label))
-        caption = "The shapes in the plane, as far from each other as C_XY says, as well as can be."
-        drawn["embedding"] = (caption, applied(plot_embedding, square, groups, label=label))
+    if len(square) < 3:
+        return drawn
+    by = "C_XY"
+    if square.isna().to_numpy().any():
+        ready = collection.status()
+        if ready.prepared < ready.shapes:
+            return drawn
+        # Of pairs that are not matched there is what needs no map.
+        square, by = collection.distances("shape_dna"), "eigenvalues of the Laplacian (not all pairs are matched)"
+        label = "distance of eigenvalues (no unit)"
+    caption = f"The shapes by {by}: those that join early are near to each other."
+    drawn["dendrogram"] = (caption, applied(plot_dendrogram, square, groups, label=label))
+    caption = f"The shapes in the plane, as far from each other as {by} says, as well as can be."
+    drawn["embedding"] = (caption, applied(plot_embedding, square, groups, label=label))
     return drawn
 
 

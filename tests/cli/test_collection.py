@@ -100,6 +100,11 @@ def test_landmarks_and_one_connectivity_from_a_folder(qgeo: Qgeo, loaded: Loaded
     assert arrays["points"].shape == (3, 2, 3)
     assert json.loads(qgeo("collection", "status", "shapes.zarr", "--json").stdout)["matched"] == 2
 
+    # Where a pair is not matched, the tree goes by what needs no map.
+    assert qgeo("collection", "report", "shapes.zarr", "-o", "report", "--pages", 0, "-q").exit_code == 0
+    assert "eigenvalues of the Laplacian (not all pairs are matched)" in Path("report/report.html").read_text("utf-8")
+    assert Path("report/dendrogram.png").is_file()
+
     asked = ("collection", "common", "shapes.zarr", "--template", "p0", "--maps", "all ways", "--workers", 1)
     assert qgeo(*asked, "-o", "same", "-q").exit_code == 0
     _, arrays = loaded(Path("same"))
