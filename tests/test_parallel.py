@@ -20,7 +20,7 @@ import qgeo_filters
 import qgeo_filters as qg
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.mmp.exact import exact_distances
-from qgeo_filters.matching import correspondence, intrinsic_shape, search, symmetry
+from qgeo_filters.matching import correspondence, intrinsic_shape, reflection_search, search
 from qgeo_filters.parallel import (
     available_cores,
     concurrently,
@@ -151,7 +151,7 @@ def test_matching_uses_one_thread_of_blas_from_the_spectra_to_the_map(monkeypatc
     watched(intrinsic_shape, "laplacian_spectrum")
     watched(search, "choose_map")
     watched(correspondence, "functional_map")
-    watched(symmetry, "choose_reflection")
+    watched(reflection_search, "choose_reflection")
     surface = qg.Surface(*blob(2, 0))
     with threadpool_limits(2, user_api="blas"):
         qg.match(qg.PreparedShape(surface).prepare(), surface)

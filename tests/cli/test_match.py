@@ -18,7 +18,7 @@ from qgeo_filters.caching import cache
 from qgeo_filters.cli.hints_file import read_hints
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.filters import stages
-from qgeo_filters.matching import symmetry
+from qgeo_filters.matching import reflection_search
 from qgeo_filters.matching.hints import Hints
 
 Qgeo = Callable[..., Result]
@@ -214,8 +214,10 @@ def test_truth_in_an_archive_of_unnamed_arrays(qgeo: Qgeo) -> None:
 def test_what_belongs_to_a_shape_is_computed_once(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch, max_bytes: int) -> None:
     """A symmetric shape against itself: one descriptor, whatever the cache holds; no symmetry, as it is clear."""
     searched, measured = [], []
-    search, measure = symmetry.candidates, stages.distance_matrix
-    monkeypatch.setattr(symmetry, "candidates", lambda *args, **options: searched.append(1) or search(*args, **options))
+    search, measure = reflection_search.candidates, stages.distance_matrix
+    monkeypatch.setattr(
+        reflection_search, "candidates", lambda *args, **options: searched.append(1) or search(*args, **options)
+    )
     monkeypatch.setattr(
         stages, "distance_matrix", lambda *args, **options: measured.append(1) or measure(*args, **options)
     )

@@ -61,10 +61,10 @@ def test_vertices_without_a_partner_are_grey_and_say_so():
 
 
 def test_many_shapes_come_in_pages():
-    some, maps = shapes(14)
+    some, maps = shapes(10)
     first, second = (qw.collection(some, maps, page=page) for page in (1, 2))
-    assert len(first.names) == 12
-    assert second.names == ("t", "s12", "s13")
+    assert len(first.names) == 8
+    assert second.names == ("t", "s8", "s9")
     assert "Page 1 of 2" in first._info.value
     for widget in (first, second):
         widget.close()
@@ -90,7 +90,7 @@ def test_what_does_not_fit_is_a_sentence(change, message):
 @pytest.mark.browser
 @pytest.mark.slow
 def test_a_click_on_one_shape_marks_all(page, lab, request):
-    some, _ = shapes(12)
+    some, _ = shapes(8)
     for name, surface in some.items():
         surface.write(lab.folder / f"{name}.ply")
     np.save(lab.folder / "order.npy", ORDER)
@@ -101,7 +101,7 @@ def test_a_click_on_one_shape_marks_all(page, lab, request):
     )
     cell = "w = qw.collection(shapes, {n: order for n in shapes if n != 't'}, size=(150, 140))\nw"
     book = tools.Notebook(page, lab, f"{request.node.name}.ipynb", [load, cell])
-    canvases = book.canvases(12)
+    canvases = book.canvases(8)
     before = [tools.settled(canvas) for canvas in canvases]
     box = canvases[1].bounding_box()
     page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)

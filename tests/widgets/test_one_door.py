@@ -13,7 +13,7 @@ import qgeo_filters as qg
 import qgeo_widgets as qw
 from qgeo_filters.caching import cache
 from qgeo_filters.filters import stages
-from qgeo_filters.matching import symmetry
+from qgeo_filters.matching import reflection_search
 from qgeo_filters.matching.parameters import MatchingParameters
 
 
@@ -33,7 +33,7 @@ def computed(monkeypatch: pytest.MonkeyPatch) -> Iterator[Counter[str]]:
 
     for name in ("match", "distance_matrix", "distance_spectrum", "lifted_metric"):
         counted(stages, name)
-    counted(symmetry, "candidates")  # the search for a reflection
+    counted(reflection_search, "candidates")  # the search for a reflection
     cache.clear()
     yield calls
     cache.clear()

@@ -190,5 +190,5 @@ def test_closing_frees_every_widget_and_the_surface(counted):
 
 def test_no_more_canvases_than_browsers_keep(pair):
     x = pair[0]
-    with pytest.raises(ValueError, match="1 to 12 canvases"):
+    with pytest.raises(ValueError, match="1 to 8 canvases"):
         Viewer([x] * 13, [placement_of(x)] * 13, (300, 200), ["a"] * 13)

@@ -93,8 +93,8 @@ def collection(
     template : str, optional
         Whose colours and points are carried to the others; the first shape by default.
     page : int
-        Browsers draw about 16 pictures of this kind at once, so that 12 shapes are shown, the template first: page 1
-        has the template and the first 11 others.
+        Eight pictures of this kind live at once, so that eight shapes are shown, the template first: page 1 has the
+        template and the first seven others.
     size : (int, int)
         Width and height of each canvas in pixels.
 

@@ -21,8 +21,8 @@ from qgeo_widgets.pane import Pane
 from qgeo_widgets.scene_placement import ScenePlacement, reach
 
 FIELD_OF_VIEW = 26.0
-# Each canvas is a WebGL context, of which browsers keep about 16 and drop the oldest beyond.
-MOST_CANVASES = 12
+# pythreejs keeps eight WebGL contexts; other canvases are frozen to pictures, which cannot be clicked.
+MOST_CANVASES = 8
 
 
 class Viewer:
