@@ -192,9 +192,8 @@ class PreparedShape(Level):
         same = self.proxy.surface is self.fine_proxy.surface
         return self if same else FineShape(self.fine_proxy.surface, self.proxy, self)
 
-    @cached_property
     def finer(self) -> PreparedShape | None:
-        """The shape with a search at the resolution at which maps are finished; None where that is this one."""
+        """The shape prepared anew, to be searched where maps are finished; None where it is searched there already."""
         if self.proxy.surface is self.fine_proxy.surface:
             return None
         given = replace(self.parameters, search_vertices=self.parameters.registration_vertices)
@@ -258,7 +257,6 @@ _EXTRINSIC = (
     "normals",
     "arap",
     "mirrored",
-    "finer",
 )
 
 

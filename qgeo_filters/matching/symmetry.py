@@ -200,13 +200,14 @@ def reflection_log(shape: Shape, *, parameters: MatchingParameters | None = None
 @single_threaded_blas
 def _found(problem: MatchProblem, tolerance: float) -> Symmetry:
     chosen = chosen_reflection(problem)
-    found = _judged(problem, chosen, tolerance)
-    finer = problem.x.finer
-    if finer is None or not is_doubtful(problem, chosen):
-        return found
-    closer = MatchProblem.of_reflection(finer, finer.parameters)
-    again = _judged(closer, chosen_reflection(closer), tolerance)
-    return again if again.found else found
+    finer = problem.x.finer() if is_doubtful(problem, chosen) else None
+    if finer is not None:
+        closer = MatchProblem.of_reflection(finer, finer.parameters)
+        found = _judged(closer, chosen_reflection(closer), tolerance)
+        if found.found:
+            problem.log.maps[:] = closer.log.maps
+            return found
+    return _judged(problem, chosen, tolerance)
 
 
 def _judged(problem: MatchProblem, decision: Decision | None, tolerance: float) -> Symmetry:

@@ -32,10 +32,11 @@ def test_the_finer_search_is_that_of_a_shape_prepared_finer() -> None:
 def test_only_a_shape_with_a_finer_level_has_one() -> None:
     surface = qg.Surface(*creature())
     shape = PreparedShape(surface, parameters=COARSE)
-    assert shape.finer is not None
-    assert (shape.n_vertices, shape.finer.n_vertices, shape.finer.full.n_vertices) == (250, 500, surface.n_vertices)
-    assert shape.finer.finer is None
-    assert PreparedShape(surface).finer is None
+    finer = shape.finer()
+    assert finer is not None
+    assert (shape.n_vertices, finer.n_vertices, finer.full.n_vertices) == (250, 500, surface.n_vertices)
+    assert finer.finer() is None
+    assert PreparedShape(surface).finer() is None
 
 
 def test_what_is_clear_or_hopeless_is_in_no_doubt() -> None:
