@@ -12,6 +12,8 @@ from typing import BinaryIO
 
 from qgeo_filters.errors import reason
 
+#: Seconds after which nobody writes any more to a file or folder that was begun.
+ABANDONED = 86_400.0
 # Characters of the target's name in that of its temporary file, which must not be longer than a name may be.
 _SHORT = 20
 

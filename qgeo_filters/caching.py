@@ -22,7 +22,7 @@ import joblib
 import numpy as np
 
 from qgeo_filters._log import timed
-from qgeo_filters.atomic import atomic_path
+from qgeo_filters.atomic import ABANDONED, atomic_path
 from qgeo_filters.errors import ParameterError
 
 T = TypeVar("T")
@@ -33,7 +33,6 @@ _log = logging.getLogger(__name__)
 _OWN = re.compile(r"\w+-[0-9a-f]{32}\.joblib")
 _BEGUN = re.compile(r"\.\w+-[0-9a-f]{32}-\w+\.joblib")
 _DIGEST = 32  # bytes of SHA-256 before the pickle
-_ABANDONED = 86_400.0  # seconds after which nobody writes there any more
 
 
 class _Keep(enum.Enum):
@@ -244,7 +243,7 @@ class StageCache:
                 status = path.stat()
                 if _OWN.fullmatch(path.name):
                     found.append((path, status.st_size, status.st_mtime))
-                elif _BEGUN.fullmatch(path.name) and time.time() - status.st_mtime > _ABANDONED:
+                elif _BEGUN.fullmatch(path.name) and time.time() - status.st_mtime > ABANDONED:
                     _remove(path)
         return found
 

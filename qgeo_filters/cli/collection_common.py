@@ -162,8 +162,7 @@ def _collection(place: Path, kept: Path) -> Collection:
 
 def _match_from(collection: Collection, name: str, maps: str, workers: int | None, progress: bool) -> None:
     """Match what the maps from one shape need: it with all others, or all pairs."""
-    if name not in collection.names:
-        raise ParameterError(f"no shape is called {name!r}; there are {', '.join(collection.names[:5])}")
+    collection.surface(name)  # raises where there is none
     some = [(x, y) for x, y in itertools.combinations(collection.names, 2) if maps != "matched" or name in (x, y)]
     collection.match(some, workers=workers, progress=progress)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -20,6 +20,7 @@ from qgeo_filters.collection.synchronisation import synchronised_map, synchronis
 from qgeo_filters.collection.tasks import PROBLEM
 from qgeo_filters.errors import ParameterError, require_package
 from qgeo_filters.io.landmarks import Landmarks
+from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.surface import Surface
 
 #: Which maps: as they were matched, or such as agree with each other.
@@ -53,17 +54,25 @@ class Consistent(Results):
             Pairs that are not matched, but needed: which.
         """
         _checked(how)
+        if how == "mended":
+            return self.mended()[0]
         surfaces, matched = self.surfaces(), self._matched()
         if how == "matched":
             return matched
         consistency = cycle_consistency(surfaces, matched)
-        if how == "mended":
-            return mended_maps(surfaces, matched, consistency, prepared=self.shape)[0]
         if how == "tree":
             return tree_maps(surfaces, matched, spanning_tree(self.names, dict(consistency.ranked())))
         if how == "template":
             return template_maps(surfaces, matched, template or _middle(consistency))
         return synchronised_maps(surfaces, matched, consistency)
+
+    def maps_from(self, name: str, how: How = "matched") -> dict[str, BarycentricMap]:
+        """Maps from one shape to every other, see `maps`; as matched, those that are missing are found now."""
+        return {y: place for (_, y), place in self._along(name, [(name, y) for y in self._others(name)], how).items()}
+
+    def maps_to(self, name: str, how: How = "matched") -> dict[str, BarycentricMap]:
+        """Maps to one shape from every other, as `maps_from`: what brings its colours and values to the others."""
+        return {x: place for (x, _), place in self._along(name, [(x, name) for x in self._others(name)], how).items()}
 
     def consistency(self) -> CycleConsistency:
         """How far each map contradicts those through a third shape; takes three shapes, all of them matched."""
@@ -92,10 +101,11 @@ class Consistent(Results):
         ParameterError
             No such shape, a map that is not sure, shapes without a way from the template.
         """
-        if how == "matched":
-            found: Mapping[str, Any] = {name: self._match_from(template, name) for name in self._others(template)}
-        else:
-            found = self._maps_from(template, how)
+        found: Mapping[str, Any] = (
+            {other: self._match_of(template, other)[0] for other in self._others(template)}
+            if how == "matched"  # which says whether it is sure
+            else self.maps_from(template, how)
+        )
         surfaces = self.surfaces()
         return common_shapes(surfaces[template], surfaces, found, accept_unsure=accept_unsure)
 
@@ -103,11 +113,7 @@ class Consistent(Results):
         self, landmarks: Landmarks | npt.ArrayLike, on: str, *, how: How = "matched", tolerance: float = 0.05
     ) -> dict[str, Landmarks]:
         """Landmarks that were placed on one shape, on all; parameters as in `common` and `landmarks_on_all`."""
-        if how == "matched":
-            maps = {name: self._place_from(on, name) for name in self._others(on)}
-        else:
-            maps = self._maps_from(on, how)
-        along = {(on, name): place for name, place in maps.items()}
+        along = {(on, other): place for other, place in self.maps_from(on, how).items()}
         return landmarks_on_all(landmarks, on, self.surfaces(), along, tolerance=tolerance)
 
     def landmark_table(self, landmarks: Landmarks | npt.ArrayLike, on: str, *, how: How = "matched") -> Any:
@@ -125,27 +131,27 @@ class Consistent(Results):
                 found[x, y], back[y, x] = one.barycentric, one.inverse_barycentric
         return {**back, **found}
 
-    def _maps_from(self, x: str, how: How) -> dict[str, BarycentricMap]:
-        """Maps from one shape to all others that agree with the rest."""
+    def _along(self, name: str, pairs: Sequence[Pair], how: How) -> dict[Pair, BarycentricMap]:
+        """Maps of some pairs, through this shape where they go through one; none where there is no way."""
         _checked(how)
-        if how == "all ways":  # no others are needed
+        if how == "matched":
+            return {pair: self._place(*pair) for pair in pairs}
+        if how == "all ways":  # no maps of other pairs are needed
             surfaces, matched = self.surfaces(), self._matched()
             consistency = cycle_consistency(surfaces, matched)
-            middle = {y: synchronised_map(x, y, surfaces, matched, consistency) for y in self._others(x)}
-            return {y: place for y, place in middle.items() if place is not None}
-        template = x if how == "template" else None
-        return {y: place for (one, y), place in self.maps(how, template=template).items() if one == x}
+            known = {pair: synchronised_map(*pair, surfaces, matched, consistency) for pair in pairs}
+        else:
+            known = {**self.maps(how, template=name if how == "template" else None)}
+        return {pair: place for pair in pairs if (place := known.get(pair)) is not None}
 
-    def _place_from(self, x: str, y: str) -> BarycentricMap:
-        found = self._match_from(x, y)
-        return found.barycentric if self._forward(x, y) else found.inverse_barycentric
+    def _place(self, x: str, y: str) -> BarycentricMap:
+        found, ahead = self._match_of(x, y)
+        return found.barycentric if ahead else found.inverse_barycentric
 
-    def _match_from(self, x: str, y: str) -> Any:
-        """The match of two shapes in whichever direction there is one; found now where there is none."""
-        return self.map(x, y) if self._forward(x, y) else self.map(y, x)
-
-    def _forward(self, x: str, y: str) -> bool:
-        return self.store.has(self._pair_place(x, y)) or not self.store.has(self._pair_place(y, x))
+    def _match_of(self, x: str, y: str) -> tuple[MatchResult, bool]:
+        """The match of two shapes in whichever direction there is one, and whether from x; found now if in neither."""
+        ahead = self.store.has(self._pair_place(x, y)) or not self.store.has(self._pair_place(y, x))
+        return self.map(x, y) if ahead else self.map(y, x), ahead
 
     def _others(self, name: str) -> list[str]:
         self._entry(name)

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from qgeo_filters.atomic import atomic_write
+from qgeo_filters.atomic import ABANDONED, atomic_write
 from qgeo_filters.errors import MeshError, require_package
 from qgeo_filters.validation import frozen
 
@@ -27,7 +27,6 @@ _log = logging.getLogger(__name__)
 #: Group in which records are written before they are moved into place.
 UNFINISHED = "unfinished"
 METADATA = "zarr.json"
-_ABANDONED = 86_400.0  # seconds after which nobody writes there any more
 _NOT_FINITE = {"inf": math.inf, "-inf": -math.inf, "nan": math.nan}
 
 
@@ -199,7 +198,7 @@ def sweep(root: Path) -> None:
     """Remove what killed processes left unfinished a day ago or longer."""
     for left in (root / UNFINISHED).glob("*/"):
         with contextlib.suppress(FileNotFoundError):
-            if time.time() - left.stat().st_mtime > _ABANDONED:
+            if time.time() - left.stat().st_mtime > ABANDONED:
                 shutil.rmtree(left, ignore_errors=True)
 
 

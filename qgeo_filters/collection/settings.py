@@ -96,6 +96,7 @@ _OPTIONS = ("normalize", "partial", "mirror", "repair")
 
 def surface_key(surface: Surface) -> str:
     """Key of a mesh by its content: vertices and faces."""
+    # Not `content_key`, which goes by pickles: machines with other versions of Python share a store.
     digest = hashlib.sha256(f"{surface.vertices.shape} {surface.faces.shape}".encode())
     digest.update(np.ascontiguousarray(surface.vertices, "<f8").data)
     digest.update(np.ascontiguousarray(surface.faces, "<i4").data)

@@ -14,7 +14,7 @@ from qgeo_filters.matching.maps.map_distance import mean_distortion
 from qgeo_filters.matching.maps.orientation import normal_cosines
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.parameters import MatchingParameters
-from qgeo_filters.matching.prepared_shape import PreparedShape, Shape
+from qgeo_filters.matching.prepared_shape import Shape
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.search import Found
 from qgeo_filters.matching.selection.cost import Contender, registered
@@ -115,6 +115,5 @@ def _settled(problem: MatchProblem, full: IndexArray, name: str) -> Contender:
 
 def _distortion(problem: MatchProblem, start: IndexArray, p2p: IndexArray) -> float:
     """Mean distortion at the farthest points; of a part, with the rest where it is nearest in the order."""
-    x: PreparedShape = problem.x
-    place = np.searchsorted(start, x.fps).clip(0, len(start) - 1)
+    place = np.searchsorted(start, problem.x.fps).clip(0, len(start) - 1)
     return mean_distortion(problem, p2p[place])

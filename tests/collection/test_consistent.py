@@ -46,6 +46,11 @@ def test_maps_go_both_ways_and_agree(matched: qg.Collection) -> None:
         found = matched.maps(how)
         assert set(found) == set(maps)
         assert errors(found).mean() < as_matched.mean() + 0.01
+    for how in ("matched", "tree", "all ways"):
+        every, forth, back = matched.maps(how), matched.maps_from("p2", how), matched.maps_to("p2", how)
+        for name in ("p0", "p1", "p3"):
+            np.testing.assert_array_equal(forth[name].coordinates, every["p2", name].coordinates)
+            np.testing.assert_array_equal(back[name].coordinates, every[name, "p2"].coordinates)
     tree = matched.maps("tree")
     round_trip = tree["p0", "p1"].pulled_back(tree["p1", "p0"].pulled_back(matched.surface("p0").vertices))
     assert np.linalg.norm(round_trip - matched.surface("p0").vertices, axis=1).mean() < 0.1
