@@ -70,9 +70,12 @@ class Consistent(Results):
         """Maps from one shape to every other, see `maps`; as matched, those that are missing are found now."""
         return {y: place for (_, y), place in self._along(name, [(name, y) for y in self._others(name)], how).items()}
 
-    def maps_to(self, name: str, how: How = "matched") -> dict[str, BarycentricMap]:
-        """Maps to one shape from every other, as `maps_from`: what brings its colours and values to the others."""
-        return {x: place for (x, _), place in self._along(name, [(x, name) for x in self._others(name)], how).items()}
+    def maps_to(
+        self, name: str, how: How = "matched", *, names: Sequence[str] | None = None
+    ) -> dict[str, BarycentricMap]:
+        """Maps to one shape, as `maps_from`: from every other, or those named. They bring its values to the others."""
+        pairs = [(x, name) for x in self._others(name) if names is None or x in names]
+        return {x: place for (x, _), place in self._along(name, pairs, how).items()}
 
     def consistency(self) -> CycleConsistency:
         """How far each map contradicts those through a third shape; takes three shapes, all of them matched."""

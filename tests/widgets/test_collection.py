@@ -6,9 +6,10 @@ import browser as tools
 import numpy as np
 import pytest
 from shapes import bent, blob
+from small_collection import QUICK, poses
 
 import qgeo_widgets as qw
-from qgeo_filters import Surface
+from qgeo_filters import Collection, Surface
 from qgeo_widgets.collection_widget import CARRIED, DISTANCE
 
 VERTICES, FACES = blob(2)
@@ -46,6 +47,26 @@ def test_one_colouring_and_one_pick_on_all(counted):
     assert widget.snapshot().startswith(b"\x89PNG")
     widget.close()
     assert counted() == 0
+
+
+def test_a_collection_brings_its_own_maps():
+    pytest.importorskip("pandas")
+    poses_ = poses(3)
+    collection = Collection(poses_, parameters=QUICK)
+    widget = qw.collection(collection, template="p1")
+    assert widget.message == ""
+    assert widget.names == ("p1", "p0", "p2")
+    assert collection.status().matched == 2  # with the template, and no other pair
+    places = collection.maps_to("p1")
+    at = poses_["p1"].vertices
+    widget.picked = 40
+    for name, partner in zip(widget.names[1:], widget.partners[1:], strict=True):
+        gaps = np.linalg.norm(places[name].pulled_back(at) - at[40], axis=1)
+        assert gaps[partner] == gaps.min()
+    widget.close()
+    widget = qw.collection(poses_)
+    assert "maps='matched' are maps of a Collection" in widget.message
+    widget.close()
 
 
 def test_vertices_without_a_partner_are_grey_and_say_so():
@@ -107,3 +128,4 @@ def test_a_click_on_one_shape_marks_all(page, lab, request):
     page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     for canvas, old in zip(canvases, before, strict=True):
         tools.until(lambda canvas=canvas, old=old: np.abs(tools.pixels(canvas) - old).max() > 40)
+    assert book.python("print(w.picked is not None, len(w.partners), repr(w.message))") == "True 8 ''"

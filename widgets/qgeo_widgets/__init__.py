@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from qgeo_filters.collection.collection import Collection
+    from qgeo_filters.collection.consistent import How
     from qgeo_filters.differential.scalar import Scalar
     from qgeo_filters.matching.match_result import MatchResult
     from qgeo_widgets.animate_widget import AnimateWidget
@@ -74,8 +76,8 @@ def animate(
 
 
 def collection(
-    shapes: Mapping[str, Any],
-    maps: Mapping[str, Any],
+    shapes: Collection | Mapping[str, Any],
+    maps: How | Mapping[str, Any] = "matched",
     *,
     template: str | None = None,
     page: int = 1,
@@ -85,11 +87,12 @@ def collection(
 
     Parameters
     ----------
-    shapes : mapping of name to mesh object
-        What `qgeo_filters.as_surface` takes.
-    maps : mapping of name to array-like of int (n,), or BarycentricMap
-        The vertex (-1: none), or point, of the template for each vertex of each other shape: what is carried is carried
-        from there.
+    shapes : Collection, or mapping of name to mesh object
+        What `qgeo_filters.as_surface` takes, by name.
+    maps : str, or mapping of name to array-like of int (n,), or BarycentricMap
+        Of a collection the kind of its maps, see `Collection.maps`: those that are not there yet are found now. Of
+        other shapes the vertex (-1: none), or point, of the template for each vertex of each: what is carried is
+        carried from there.
     template : str, optional
         Whose colours and points are carried to the others; the first shape by default.
     page : int

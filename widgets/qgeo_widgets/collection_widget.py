@@ -12,10 +12,13 @@ from scipy.spatial import cKDTree
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.barycentric import BarycentricMap
+from qgeo_filters.collection.collection import Collection
 from qgeo_filters.collection.composition import checked_maps
+from qgeo_filters.collection.consistent import How
 from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.hosts.dispatch import as_surface
 from qgeo_filters.report.colors import position_colors
+from qgeo_filters.surface import Surface
 from qgeo_widgets import controls
 from qgeo_widgets.base import ShapeWidget
 from qgeo_widgets.coloring import ATTRIBUTE
@@ -45,8 +48,8 @@ class CollectionWidget(ShapeWidget):
 
     def __init__(
         self,
-        shapes: Mapping[str, Any],
-        maps: Mapping[str, Any],
+        shapes: Collection | Mapping[str, Any],
+        maps: How | Mapping[str, Any],
         *,
         template: str | None,
         page: int,
@@ -55,13 +58,12 @@ class CollectionWidget(ShapeWidget):
         super().__init__()
         self.names: tuple[str, ...] = ()
         with self._guarded():
-            self.names, pages = _shown(list(shapes), template, page)
-            surfaces = []
-            for name in self.names:
-                with concerning(name):
-                    surfaces.append(as_surface(shapes[name]))
+            self.names, pages = _shown(list(shapes.names if isinstance(shapes, Collection) else shapes), template, page)
+            surfaces = self._surfaces(shapes)
             self._template = Shape(surfaces[0], self.names[0])
-            self._places = self._maps_to_template(dict(zip(self.names, surfaces, strict=True)), maps)
+            self._places = self._maps_to_template(
+                dict(zip(self.names, surfaces, strict=True)), self._known_maps(shapes, maps)
+            )
             first = placement_of(surfaces[0])
             placements = [first]
             for surface, place in zip(surfaces[1:], self._places[1:], strict=True):
@@ -78,6 +80,24 @@ class CollectionWidget(ShapeWidget):
             self._page_of = f"page {page} of {pages}; " if pages > 1 else ""
             self.observe(lambda _: self._show_pick(), "picked")
             self._show_pick()
+
+    def _surfaces(self, shapes: Collection | Mapping[str, Any]) -> list[Surface]:
+        """The meshes that are shown."""
+        found = []
+        for name in self.names:
+            with concerning(name):
+                found.append(shapes.surface(name) if isinstance(shapes, Collection) else as_surface(shapes[name]))
+        return found
+
+    def _known_maps(self, shapes: Collection | Mapping[str, Any], maps: How | Mapping[str, Any]) -> Mapping[str, Any]:
+        """The maps that were given, or those of a collection; what is not matched yet is matched now."""
+        if not isinstance(maps, str):
+            return maps
+        if not isinstance(shapes, Collection):
+            raise ParameterError(f"maps={maps!r} are maps of a Collection; of shapes alone give maps by name")
+        self._long.announce()
+        with self._long.during("Seeking the maps", at_once=True):
+            return shapes.maps_to(self.names[0], maps, names=self.names)
 
     def _maps_to_template(self, surfaces: dict[str, Any], maps: Mapping[str, Any]) -> list[BarycentricMap]:
         """Point of the template for each vertex of each shape."""
