@@ -62,6 +62,7 @@ def test_the_heat_map_is_the_table_in_the_order_of_its_labels():
     assert sum(a != b for a, b in pairwise(groups)) == 2
     shown = axes.images[0].get_array()
     assert np.array_equal(np.ma.filled(shown, np.nan), table.loc[order, order].to_numpy(), equal_nan=True)
+    assert np.array_equal(~axes.images[1].get_array().mask, np.eye(12, dtype=bool))  # white, and nothing else is
     plain = plot_heat_map(table, ordered=False).axes[0]
     assert labels(plain.get_xticklabels()) == list(table.index)
 

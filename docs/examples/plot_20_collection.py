@@ -27,8 +27,9 @@ shapes = {"short0": bent(body, 0.1), "short1": bent(body, 0.3), "long0": bent(lo
 
 # %%
 # With ``store="shapes.zarr"`` what is found stays; without one, as here, it lives as long as the object. A folder, or a
-# list of files, does as well.
-collection = qg.Collection(shapes, groups=lambda name: name.rstrip("0123456789"))
+# list of files, does as well. One metric is enough for shapes as plain as these.
+plain = qg.MatchingParameters(curvature_weights=(0.15,))
+collection = qg.Collection(shapes, groups=lambda name: name.rstrip("0123456789"), parameters=plain)
 collection.match(workers=1)
 collection.table()[["x", "y", "group_x", "group_y", "c_xy", "distortion", "confident"]].round(3)
 

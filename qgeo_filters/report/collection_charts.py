@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 import matplotlib
 import numpy as np
 import numpy.typing as npt
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from scipy.cluster.hierarchy import dendrogram, leaves_list, linkage, optimal_leaf_ordering
@@ -119,7 +120,9 @@ def plot_embedding(
 def plot_heat_map(
     distances: Any, groups: Groups | None = None, *, label: str = "distance", ordered: bool = True
 ) -> Figure:
-    """Figure of the table in colours, near shapes beside each other; grey where a distance is not known.
+    """Figure of the table in colours, near shapes beside each other.
+
+    Grey where a distance is not known, white where a shape meets itself: the colours are for what lies between them.
 
     Parameters
     ----------
@@ -136,7 +139,8 @@ def plot_heat_map(
         both = np.fmin(square, square.T)  # one way may be known only
         order = leaves_list(_tree(np.where(np.isnan(both), 2 * np.nanmax(np.r_[both.ravel(), 0.0]), both)))
     shown = square[np.ix_(order, order)]
-    known = shown[~np.eye(len(shown), dtype=bool)]
+    itself = np.eye(len(shown), dtype=bool)
+    known = shown[~itself]
     scale = sequential(known)
     side = float(np.clip(1.6 + 0.15 * len(names), 3.4, 9.0))
     figure = new_figure(side + 0.9, side)
@@ -145,6 +149,7 @@ def plot_heat_map(
         image = axes.imshow(
             np.ma.masked_invalid(shown), cmap=scale.colormap.with_extremes(bad=MISSING), norm=scale.norm
         )
+        axes.imshow(np.ma.masked_array(np.ones(itself.shape), ~itself), cmap=ListedColormap(["white"]))
         size = min(8.0, 8.0 * _LABELLED / (1.4 * len(names)))
         ticks = np.arange(len(names))
         axes.set_xticks(ticks, [names[i] for i in order], rotation=90, fontsize=size)
