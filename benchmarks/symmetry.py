@@ -1,4 +1,4 @@
-"""Errors of the self-symmetry map on TOSCA, as a Markdown table.
+"""Errors of the self-symmetry map on TOSCA, as Markdown tables: a row for each shape, then one for each category.
 
     python benchmarks/symmetry.py ROOT --shapes cat0 horse5
 
@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import argparse
 import time
+
+import numpy as np
 
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
 from qgeo_filters.matching.prepared_shape import PreparedShape
@@ -25,6 +27,7 @@ def main() -> None:
     data = ToscaRemeshed(arguments.root)
     print("| shape | found | involution | nearest vertex | distortion | CPU s |")
     print("| --- | --- | ---: | ---: | ---: | ---: |")
+    rows: dict[str, list[tuple[float, float, bool, float]]] = {}
     for name in arguments.shapes or data.names():
         shape = PreparedShape(data.read(name)).prepare()
         start = time.process_time()
@@ -34,6 +37,15 @@ def main() -> None:
         errors = [geodesic_error(p2p, truth, shape.given).mean() for p2p in (found.p2p, found.nearest)]
         cells = [name, "yes" if found.found else "no", *(f"{error:.4f}" for error in errors)]
         print("| " + " | ".join([*cells, f"{found.score:.4f}", f"{seconds:.1f}"]) + " |", flush=True)
+        rows.setdefault(data.category(name), []).append((errors[1], errors[0], found.found, seconds))
+    print("\n| category | shapes | mean (`nearest`) | largest | mean (involution) | found | CPU s |")
+    print("|---|---:|---:|---:|---:|---:|---:|")
+    for category, some in rows.items():
+        nearest, involution, there, seconds_of = (np.array(column) for column in zip(*some, strict=True))
+        print(
+            f"| {category} | {len(some)} | {nearest.mean():.4f} | {nearest.max():.4f} | {involution.mean():.4f} "
+            f"| {there.sum()} | {seconds_of.mean():.1f} |"
+        )
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.report.curves import plot_error_curve, plot_histogram, plot_pairwise
 from qgeo_filters.report.maps import plot_poses, plot_region_pair, plot_sides, view_alike
 from qgeo_filters.report.match_log import plot_match_log
-from qgeo_filters.report.view import best_view
+from qgeo_filters.report.view import best_view, view_from
 from qgeo_filters.surface import Surface
 
 
@@ -59,6 +59,11 @@ def test_poses_in_one_colouring(sphere: Surface) -> None:
         axes.images[0].get_array() for axes in plot_poses([sphere, shuffled], [np.arange(162), image]).axes
     )
     assert np.abs(first.astype(int) - second).mean() < 1.0
+    # From one place a turned shape looks turned; each from its own best place, the same.
+    turned, same, view = sphere.with_vertices(sphere.vertices[:, [2, 1, 0]] * [1.5, 1, 1]), np.arange(162), view_from(0)
+    wide = sphere.with_vertices(turned.vertices[:, [2, 1, 0]])
+    one, other = (axes.images[0].get_array() for axes in plot_poses([wide, turned], [same, same], view=view).axes)
+    assert np.abs(one.astype(int) - other).mean() > 5
     with pytest.raises(ValueError, match="one map for each of the 2 poses"):
         plot_poses([sphere, sphere], [np.arange(162)])
 

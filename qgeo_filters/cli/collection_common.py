@@ -8,16 +8,22 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from qgeo_filters.cli.options import Json, Output, Quiet, Settings
+from qgeo_filters.cli.options import Json, Output, Pictures, Quiet, Settings
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.io.landmarks import Frame
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from qgeo_filters.collection.collection import Collection
+    from qgeo_filters.report.view import View
+    from qgeo_filters.surface import Surface
 
 _TABLE = "landmarks.csv"
 # Pictures of the modes of variation.
 _MODES, _SIGMA = 3, 2.0
+# Shapes in a picture.
+_SHOWN = 12
 
 Shapes = Annotated[
     Path,
@@ -58,6 +64,7 @@ def landmarks(
     kept: Kept = Path("shapes.zarr"),
     workers: Processes = None,
     output: Output = None,
+    pictures: Pictures = True,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -70,14 +77,15 @@ def landmarks(
     from qgeo_filters.cli.job import Job
     from qgeo_filters.collection.landmarks import write_landmark_table
     from qgeo_filters.io.landmark_files import read_landmarks
+    from qgeo_filters.report.landmarks import plot_landmarks
 
     given = read_landmarks(marks)
     if frame is not None and given.frame is not None:
         given = given.in_frame(frame)
     collection = _collection(store, kept)
     parameters = {"store": str(collection.store.root), "landmarks": str(marks), "on": on, "maps": maps, "frame": frame}
-    settings = Settings(output, quiet, json, pictures=False)
-    job = Job("collection landmarks", settings, parameters, inputs=[marks], texts=[_TABLE])
+    settings = Settings(output, quiet, json, pictures=pictures)
+    job = Job("collection landmarks", settings, parameters, inputs=[marks], pictures=["landmarks"], texts=[_TABLE])
     job.subject = f"{len(given.names)} landmarks of {on} on {len(collection)} shapes"
     with job.stage("match"):
         _match_from(collection, on, maps, workers, job.progress)
@@ -90,6 +98,9 @@ def landmarks(
     job.save(results, {"points": points, "shapes": np.array(list(found)), "landmarks": np.array(given.names)})
     with job.file(_TABLE) as temporary:
         write_landmark_table(temporary, found)
+    shown = {name: collection.surface(name) for name in [on, *(n for n in collection.names if n != on)][:_SHOWN]}
+    caption = f"Landmarks of {on}, each in one colour on all shapes{_first(len(found))}."
+    job.picture("landmarks", caption, lambda: plot_landmarks(shown, found))
     job.finish()
 
 
@@ -106,6 +117,7 @@ def common(
     kept: Kept = Path("shapes.zarr"),
     workers: Processes = None,
     output: Output = None,
+    pictures: Pictures = True,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -118,20 +130,28 @@ def common(
 
     from qgeo_filters.cli.job import Job
     from qgeo_filters.collection.shape_model import shape_model
+    from qgeo_filters.report.maps import plot_poses
+    from qgeo_filters.report.view import best_view
 
     collection = _collection(store, kept)
     names = collection.names
-    if "mean" in names:
-        raise ParameterError("a shape is called mean, as the file of the mean shape is: give it another name")
-    extremes = [f"mode{k}{sign}.ply" for k in range(min(_MODES, len(names) - 1)) for sign in "-+"]
+    extremes = {
+        f"mode{k}{sign}": (k, sigma)
+        for k in range(min(_MODES, len(names) - 1))
+        for sign, sigma in (("-", -_SIGMA), ("+", _SIGMA))
+    }
+    taken = [name for name in ("mean", *extremes) if name in names]
+    if taken:
+        raise ParameterError(f"a shape is called {taken[0]}, as a file of the model is: give it another name")
     parameters: dict[str, Any] = {
         "store": str(collection.store.root),
         "template": template,
         "maps": maps,
         "scale": scale,
     }
-    files = [*(f"{name}.ply" for name in names), "mean.ply", *extremes]
-    job = Job("collection common", Settings(output, quiet, json, pictures=False), parameters, texts=files)
+    files = [f"{name}.ply" for name in (*names, "mean", *extremes)]
+    settings = Settings(output, quiet, json, pictures=pictures)
+    job = Job("collection common", settings, parameters, pictures=["shapes", "modes"], texts=files)
     job.subject = f"{len(names)} shapes with the triangles of {template}"
     with job.stage("match"):
         _match_from(collection, template, maps, workers, job.progress)
@@ -142,14 +162,24 @@ def common(
     results = {"shapes": len(found), "vertices": found.template.n_vertices, "explained": model.explained.tolist()}
     arrays = {name: getattr(model, name) for name in ("modes", "variance", "explained", "scores")}
     job.save(results, {"positions": found.positions, **arrays, "shapes": np.array(names)})
-    meshes = {name: found[name] for name in names} | {"mean": model.mean}
-    for file in extremes:
-        k, sign = int(file[4:-5]), file[-5]
-        meshes[file.removesuffix(".ply")] = model.mode(k, _SIGMA if sign == "+" else -_SIGMA)
-    for name, mesh in meshes.items():
+    model_meshes = {"mean": model.mean} | {name: model.mode(*place) for name, place in extremes.items()}
+    for name, mesh in ({name: found[name] for name in names} | model_meshes).items():
         with job.file(f"{name}.ply") as temporary:
             mesh.write(temporary)
+    same = np.arange(found.template.n_vertices)
+
+    def plot(some: dict[str, Surface], view: View | None = None) -> Figure:
+        return plot_poses(list(some.values()), [same] * len(some), names=list(some), columns=5, view=view)
+
+    shown = {name: found[name] for name in names[:_SHOWN]}
+    job.picture("shapes", f"Equal vertices have equal colours{_first(len(names))}.", lambda: plot(shown))
+    caption = f"The mean, and it with each mode {_SIGMA:g} standard deviations less and more."
+    job.picture("modes", caption, lambda: plot(model_meshes, best_view(model.mean.vertices, model.mean.faces)))
     job.finish()
+
+
+def _first(count: int) -> str:
+    return f"; the first {_SHOWN} of {count}" if count > _SHOWN else ""
 
 
 def _collection(place: Path, kept: Path) -> Collection:
@@ -170,5 +200,5 @@ def _match_from(collection: Collection, name: str, maps: str, workers: int | Non
 def _unsure(collection: Collection, name: str) -> list[str]:
     """Shapes whose match with this one is not sure."""
     table = collection.table()
-    of = table[((table.x == name) | (table.y == name)) & (table.confident != True)]  # noqa: E712  (missing ones, too)
+    of = table[((table.x == name) | (table.y == name)) & ~table.confident]
     return sorted({*of.x, *of.y} - {name})

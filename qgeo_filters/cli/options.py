@@ -97,4 +97,4 @@ class Settings:
 
     def folder(self, command: str) -> Path:
         """Where the results of a command go: each has its own folder, unless told otherwise."""
-        return Path("qgeo-out") / command if self.output is None else self.output
+        return Path("qgeo-out") / command.replace(" ", "-") if self.output is None else self.output

@@ -94,6 +94,7 @@ def plot_poses(
     *,
     names: Sequence[str] = (),
     columns: int = 4,
+    view: View | None = None,
 ) -> Figure:
     """Figure of poses in the colours of the first, carried over along maps: equal places have one colour.
 
@@ -106,16 +107,18 @@ def plot_poses(
     names : sequence of str
         Titles.
     columns : int
+    view : View, optional
+        Of all, for poses in one frame; each from where most is seen by default.
     """
     if len(maps) != len(surfaces):
         raise ParameterError(f"one map for each of the {len(surfaces)} poses is needed, got {len(maps)}")
     poses = [as_surface(surface) for surface in surfaces]
-    views = [best_view(pose.vertices, pose.faces) for pose in poses]
+    views = [view or best_view(pose.vertices, pose.faces) for pose in poses]
     colors = position_colors(poses[0].vertices, views[0].axes)
     titles = list(names) or [""] * len(surfaces)
     panels = []
-    for surface, image, view, title in zip(poses, maps, views, titles, strict=True):
+    for surface, image, seen_from, title in zip(poses, maps, views, titles, strict=True):
         reached, first = np.unique(np.asarray(image), return_index=True)
         nearest = cKDTree(surface.vertices[reached]).query(surface.vertices)[1]
-        panels.append(Panel(surface, view, title, {"colors": colors[first[nearest]]}))
+        panels.append(Panel(surface, seen_from, title, {"colors": colors[first[nearest]]}))
     return panel_figure(panels, columns=columns)

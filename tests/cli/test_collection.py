@@ -98,6 +98,7 @@ def test_landmarks_and_one_connectivity_from_a_folder(qgeo: Qgeo, loaded: Loaded
     content, arrays = loaded(Path("carried"))
     assert (content["results"]["shapes"], content["results"]["without_image"]) == (3, 0)
     assert arrays["points"].shape == (3, 2, 3)
+    assert Path("carried/landmarks.png").is_file()
     assert json.loads(qgeo("collection", "status", "shapes.zarr", "--json").stdout)["matched"] == 2
 
     # Where a pair is not matched, the tree goes by what needs no map.
@@ -113,6 +114,7 @@ def test_landmarks_and_one_connectivity_from_a_folder(qgeo: Qgeo, loaded: Loaded
         np.testing.assert_array_equal(mesh.faces, qg.Surface.read(folder / "p0.ply").faces)
         np.testing.assert_allclose(mesh.vertices, positions, atol=1e-6)
     assert arrays["modes"].shape == (2, len(positions), 3)
+    assert {path.stem for path in Path("same").glob("*.png")} == {"shapes", "modes"}
     mean, low, high = (qg.Surface.read(f"same/{name}.ply").vertices for name in ("mean", "mode0-", "mode0+"))
     np.testing.assert_allclose((low + high) / 2, mean, atol=1e-5)
     result = qgeo("collection", "landmarks", "shapes.zarr", "marks.csv", "--on", "p9")
