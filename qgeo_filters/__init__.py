@@ -86,8 +86,8 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .matching.pieces import PiecewiseMatch as PiecewiseMatch
     from .matching.pieces import match_pieces as match_pieces
     from .matching.prepared_shape import PreparedShape as PreparedShape
-    from .matching.symmetry import Symmetry as Symmetry
     from .matching.symmetry import self_symmetry as self_symmetry
+    from .matching.symmetry_result import Symmetry as Symmetry
     from .report.animation_file import write_animation as write_animation
     from .spectral.block_krylov import streamed_spectrum as streamed_spectrum
     from .spectral.commutative import CommutativeSpectra as CommutativeSpectra
@@ -148,7 +148,7 @@ _HOME = {
     "laplacian_spectrum": "spectral.laplacian",
     "Spectrum": "spectral.spectrum",
     "self_symmetry": "matching.symmetry",
-    "Symmetry": "matching.symmetry",
+    "Symmetry": "matching.symmetry_result",
     "match": "matching.correspondence",
     "MatchResult": "matching.match_result",
     "match_pieces": "matching.pieces",

@@ -69,7 +69,7 @@ def test_mypy_sees_the_types_of_the_public_face(tmp_path: Path) -> None:
     code = tmp_path / "use.py"
     expected = {
         "match": "-> qgeo_filters.matching.match_result.MatchResult",
-        "self_symmetry": "-> qgeo_filters.matching.symmetry.Symmetry",
+        "self_symmetry": "-> qgeo_filters.matching.symmetry_result.Symmetry",
         "quasi_geodesic": "-> qgeo_filters.geodesics.path.paths.GeodesicPath",
         "QuasiGeodesicSpectrum": "-> qgeo_filters.filters.spectral.QuasiGeodesicSpectrum",
     }

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     import numpy as np
 
     from qgeo_filters.cli.job import Job
-    from qgeo_filters.matching.symmetry import Symmetry
     from qgeo_filters.matching.symmetry_measure import Reading
+    from qgeo_filters.matching.symmetry_result import Symmetry
     from qgeo_filters.spectral.spectrum import Spectrum
     from qgeo_filters.surface import Surface
 

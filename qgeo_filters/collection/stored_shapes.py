@@ -10,7 +10,8 @@ from qgeo_filters.collection.store import Entry, Store, pair_place, shape_place
 from qgeo_filters.collection.tasks import PROBLEM, restored_shape
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.matching.prepared_shape import PreparedShape
-from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
+from qgeo_filters.matching.symmetry import self_symmetry
+from qgeo_filters.matching.symmetry_result import Symmetry
 from qgeo_filters.surface import Surface
 
 

@@ -19,8 +19,8 @@ from qgeo_filters.filters.repaired import repaired_values, repaired_vertices
 from qgeo_filters.hosts.dispatch import surface_and_repair
 from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.matching.match_result import MatchResult
-from qgeo_filters.matching.symmetry import Symmetry
 from qgeo_filters.matching.symmetry_measure import Reading, symmetry_epsilon, symmetry_regions, symmetry_sum
+from qgeo_filters.matching.symmetry_result import Symmetry
 from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
 

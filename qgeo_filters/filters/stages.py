@@ -27,7 +27,8 @@ from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.partial.partial_match import matched_as_part, may_be_part
 from qgeo_filters.matching.prepared_shape import PreparedShape, check_same_size
 from qgeo_filters.matching.search import checked_mirror
-from qgeo_filters.matching.symmetry import Symmetry, self_symmetry
+from qgeo_filters.matching.symmetry import self_symmetry
+from qgeo_filters.matching.symmetry_result import Symmetry
 from qgeo_filters.parallel import default_workers, worker_count
 from qgeo_filters.spectral.distance_spectrum import Landmarks, checked_landmarks, distance_spectrum, is_represented
 from qgeo_filters.spectral.laplacian import laplacian_spectrum

@@ -15,7 +15,7 @@ from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.validation import frozen
 
 if TYPE_CHECKING:
-    from qgeo_filters.matching.symmetry import Symmetry
+    from qgeo_filters.matching.symmetry_result import Symmetry
 
 
 def match_on_given(found: MatchResult, x: PreparedShape, y: PreparedShape) -> MatchResult:

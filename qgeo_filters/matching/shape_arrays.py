@@ -18,7 +18,8 @@ from qgeo_filters.matching.mirror_curve import MirrorPlane
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.search import rough_reflections
-from qgeo_filters.matching.symmetry import TOLERANCE, Symmetry, reflection_of
+from qgeo_filters.matching.symmetry import TOLERANCE, reflection_of
+from qgeo_filters.matching.symmetry_result import Symmetry
 from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen

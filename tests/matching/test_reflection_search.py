@@ -27,6 +27,9 @@ def test_the_finer_search_is_that_of_a_shape_prepared_finer() -> None:
     for one in ("p2p", "nearest", "side", "asymmetry"):
         np.testing.assert_array_equal(getattr(doubted, one), getattr(expected, one))
     assert (doubted.nearest != coarse.nearest).any()
+    # What is asked of this search is asked of the finer one, too, whatever the shape was prepared with.
+    strict = replace(doubting, symmetry_alike=2.0)
+    assert not qg.self_symmetry(PreparedShape(surface, parameters=COARSE), parameters=strict).found
 
 
 def test_only_a_shape_with_a_finer_level_has_one() -> None:
