@@ -19,6 +19,8 @@ Solve = Callable[[FloatArray], FloatArray]
 
 # Obtuse triangles have negative cotangents, which would reward bending; relative to the mean weight.
 _LEAST_WEIGHT = 1e-3
+# Flat triangles have infinite ones; relative to the median weight. Thin ones of real meshes come to four thousand.
+_MOST_WEIGHT = 1e4
 # Factorisations that are kept, the last used ones: maps of one shape go through the same pulls one after the other.
 _FACTORS = 32
 
@@ -60,8 +62,7 @@ class ArapSolver:
         n = len(vertices)
         weights = igl.cotmatrix(vertices, faces.astype(np.int64)).tocoo()
         off = weights.row != weights.col
-        values = weights.data[off]
-        values = np.maximum(values, _LEAST_WEIGHT * float(np.abs(values).mean()))
+        values = _bounded(weights.data[off])
         symmetric = sparse.csr_matrix((values, (weights.row[off], weights.col[off])), (n, n))
         starts, heads = symmetric.indptr.astype(np.int64), symmetric.indices.astype(np.int64)
         edges = np.repeat(vertices, np.diff(starts), axis=0) - vertices[heads]
@@ -114,3 +115,11 @@ class ArapSolver:
         for _ in range(smoothing):
             flat = np.asarray(self._mean @ flat)
         return fit_rotations(flat.reshape(-1, 3, 3))
+
+
+def _bounded(cotangents: FloatArray) -> FloatArray:
+    """Weights for which the system is positive definite and can be solved, whatever the triangles."""
+    # The two infinities of a flat triangle beside another flat one make NaN.
+    most = _MOST_WEIGHT * float(np.median(np.abs(cotangents[np.isfinite(cotangents)])))
+    weights = np.clip(np.nan_to_num(cotangents, nan=0.0), -most, most)
+    return np.maximum(weights, _LEAST_WEIGHT * float(np.abs(weights).mean()))

@@ -107,3 +107,20 @@ def test_obtuse_triangles_do_not_reward_bending() -> None:
     vertices, faces = icosphere(2)
     flat = vertices * [1, 1, 0.02]
     assert ArapSolver(flat, faces).energy(flat + 0.1 * np.sin(5 * flat[:, [1, 2, 0]])) > 0
+
+
+def test_flat_triangles_neither_break_it_nor_count() -> None:
+    vertices, faces = icosphere(2)
+    a, b, c = faces[0]
+    n = len(vertices)
+    # Face (a, b, c) in two, with a flat third, as converters leave it where a neighbour's edge was split.
+    points = np.concatenate([vertices, [(vertices[a] + vertices[b]) / 2]])
+    split = np.concatenate([faces[1:], [[a, n, c], [n, b, c], [a, b, n]]])
+    pull = Pull("all", np.full(n + 1, 0.1))
+    stretched = points * [1.5, 1, 1]
+    with_flat = ArapSolver(points, split)
+    found = with_flat.iterate(with_flat.prefactor(pull), pull, points, stretched, 0)
+    tidy = ArapSolver(vertices, faces)
+    pull = Pull("all", np.full(n, 0.1))
+    expected = tidy.iterate(tidy.prefactor(pull), pull, vertices, stretched[:n], 0)
+    np.testing.assert_allclose(found[:n], expected, atol=0.03)  # of edges .3 long
