@@ -27,8 +27,9 @@ IN_WHEEL = [
     "qgeo_filters/py.typed",
     "qgeo_filters/__main__.py",
     "qgeo_widgets/py.typed",
-    "qgeo_widgets/page/page.js",
-    "qgeo_widgets/page/licence.txt",
+    "qgeo_widgets/page/page.html",
+    "qgeo_widgets/static/renderer.js",
+    "qgeo_widgets/static/three.LICENSE",
 ]
 #: Beginnings of names that it must not.
 NOT_IN_WHEEL = ("tests", "benchmarks", "notebooks", "docs", ".ci")

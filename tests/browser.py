@@ -23,7 +23,7 @@ CHROMIUM_FLAGS = [
     "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
     "--disable-background-networking", "--no-first-run",
 ]  # fmt: skip
-CANVAS = ".jupyter-threejs canvas"
+CANVAS = ".qgeo-view, canvas.qgeo-matrix, .jupyter-threejs canvas"  # of either backend
 PATIENCE = 120_000
 
 
@@ -147,6 +147,20 @@ class Notebook:
             }""",
             code,
         ).strip()
+
+    def show(self, cell: str) -> None:
+        """Put this cell in place of all but the first, and run it."""
+        self.page.evaluate(
+            """async (source) => {
+                const panel = window.jupyterapp.shell.currentWidget;
+                const cells = panel.content.model.sharedModel;
+                cells.deleteCellRange(1, cells.cells.length);
+                cells.insertCell(1, {cell_type: 'code', source, metadata: {}, outputs: []});
+                panel.content.activeCellIndex = 1;
+                await window.jupyterapp.commands.execute('notebook:run-cell');
+            }""",
+            cell,
+        )
 
     def canvases(self, count: int) -> list[Any]:
         """The live canvases, once there are that many and all of them show something."""

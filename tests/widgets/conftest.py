@@ -11,6 +11,7 @@ import pytest
 import shapes
 from ipywidgets import Widget
 
+import qgeo_widgets as qw
 from qgeo_filters import Surface
 
 
@@ -35,6 +36,21 @@ def counted() -> Iterator[Any]:
     yield lambda: len(set(_instances) - before)
     for key in set(_instances) - before:
         Widget.close(_instances[key])
+
+
+@pytest.fixture(params=["webgl", "pythreejs"])
+def each_backend(request: pytest.FixtureRequest) -> Iterator[str]:
+    """The test is run with each backend."""
+    yield qw.backend(request.param)
+    qw.backend("webgl")
+
+
+@pytest.fixture
+def pythreejs() -> Iterator[None]:
+    """The test is run with the backend of pythreejs."""
+    qw.backend("pythreejs")
+    yield
+    qw.backend("webgl")
 
 
 @pytest.fixture(scope="session")

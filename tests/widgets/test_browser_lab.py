@@ -10,29 +10,48 @@ import pytest
 import shapes
 
 from qgeo_filters import Surface
-from qgeo_widgets.scene_placement import placement_of
-from qgeo_widgets.viewer import Viewer
+from qgeo_widgets.rendering.backends import new_viewer
+from qgeo_widgets.rendering.scene_placement import placement_of
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 
+@pytest.fixture(scope="module")
+def books(chromium, lab, pair):
+    """Function that gives the notebook of a backend, which is opened once: that takes longer than most tests."""
+    opened = {}
+
+    def book_of(backend):
+        if backend not in opened:
+            x, y, where = pair
+            x.write(lab.folder / "x.ply")
+            y.write(lab.folder / "y.ply")
+            np.save(lab.folder / "where.npy", where)
+            load = (
+                "import numpy as np, qgeo_filters as qg, qgeo_widgets as qw\n"
+                f"qw.backend({backend!r})\n"
+                "x, y, where = qg.Surface.read('x.ply'), qg.Surface.read('y.ply'), np.load('where.npy')"
+            )
+            page = chromium.new_context(viewport={"width": 1280, "height": 1000}).new_page()
+            opened[backend] = tools.Notebook(page, lab, f"{backend}.ipynb", [load])
+        return opened[backend]
+
+    yield book_of
+    for book in opened.values():
+        book.page.context.close()
+
+
 @pytest.fixture
-def notebook(page, lab, pair, request):
-    """Function that opens a notebook with the two shapes and one more cell, and runs it."""
-    x, y, where = pair
-    x.write(lab.folder / "x.ply")
-    y.write(lab.folder / "y.ply")
-    np.save(lab.folder / "where.npy", where)
-    load = (
-        "import numpy as np, qgeo_filters as qg, qgeo_widgets as qw\n"
-        "x, y, where = qg.Surface.read('x.ply'), qg.Surface.read('y.ply'), np.load('where.npy')"
-    )
-    return lambda cell: tools.Notebook(page, lab, f"{request.node.name}.ipynb", [load, cell])
+def book(books, each_backend):
+    """A notebook in which x, y and where are known; the widget w of the test is closed after it."""
+    book = books(each_backend)
+    yield book
+    book.python("w.close()")
 
 
 def place_on_screen(surface, vertex: int, size: tuple[int, int], canvas) -> tuple[float, float]:
     """Where on the page the first view shows a vertex, and that it faces the viewer."""
-    viewer = Viewer([surface], [placement_of(surface)], size, ["X"])
+    viewer = new_viewer([surface], [placement_of(surface)], size, ["X"])
     camera, placement = np.array(viewer.home), viewer.panes[0].placement
     viewer.close()
     x, y, z = placement.to_scene(surface.vertices[vertex])
@@ -47,9 +66,10 @@ def front_vertices(surface) -> list[int]:
     return np.argsort(-(surface.vertex_normals @ placement_of(surface).axes[2])).tolist()
 
 
-def test_compare_by_mouse(notebook, page, pair):
+def test_compare_by_mouse(book, pair):
     x, _, where = pair
-    book = notebook("w = qw.compare(x, y, p2p=where, truth=where)\nw")
+    page = book.page
+    book.show("w = qw.compare(x, y, p2p=where, truth=where)\nw")
     left, right = book.canvases(2)
     before_left, before_right = tools.settled(left), tools.settled(right)
 
@@ -68,10 +88,8 @@ def test_compare_by_mouse(notebook, page, pair):
     # A click gives Python the vertex under the mouse, marks its partner, and shows distances.
     vertex = front_vertices(x)[0]
     page.mouse.click(*place_on_screen(x, vertex, (440, 400), left))
-    tools.until(lambda: book.python("print(w.picked)") != "None")
-    assert book.python("print(w.picked, w.pairs, w.mode)") == (
-        f"('x', {vertex}) [({vertex}, {where[vertex]})] distance from the picked point"
-    )
+    seen = f"('x', {vertex}) [({vertex}, {where[vertex]})] distance from the picked point"
+    tools.until(lambda: book.python("print(w.picked, w.pairs, w.mode)") == seen)
     for canvas, before in ((left, before_left), (right, before_right)):
         tools.until(lambda canvas=canvas, before=before: np.abs(tools.pixels(canvas) - before).mean() > 3)
     # The red ball stands in the middle of the darkest blue on both shapes.
@@ -90,6 +108,7 @@ def test_compare_by_mouse(notebook, page, pair):
     page.get_by_label("colour").select_option("eigenfunction")
     tools.until(lambda: book.python("print(w.mode, w.k)") == "eigenfunction 1")
     first = tools.settled(left)
+    page.get_by_text("φ₁").first.wait_for()  # the sliders are those of the mode
     page.locator(".widget-slider:visible .noUi-handle").first.press("ArrowRight")
     tools.until(lambda: book.python("print(w.k)") == "2")
     tools.until(lambda: np.abs(tools.pixels(left) - first).mean() > 3)
@@ -104,8 +123,9 @@ def test_compare_by_mouse(notebook, page, pair):
     assert book.python("print(len(_instances))") == "0"
 
 
-def test_matrix_by_mouse(notebook, page, pair):
-    book = notebook("w = qw.matrix(x)\nw")
+def test_matrix_by_mouse(book, pair):
+    page = book.page
+    book.show("w = qw.matrix(x)\nw")
     matrix, shape = book.canvases(2)
     before = tools.settled(shape)
     box = matrix.bounding_box()
@@ -120,9 +140,10 @@ def test_matrix_by_mouse(notebook, page, pair):
     tools.until(lambda: np.abs(tools.pixels(matrix) - first).mean() > 10)
 
 
-def test_geodesics_by_mouse(notebook, page, pair):
+def test_geodesics_by_mouse(book, pair):
     x = pair[0]
-    book = notebook("w = qw.geodesics(x)\nw")
+    page = book.page
+    book.show("w = qw.geodesics(x)\nw")
     (canvas,) = book.canvases(1)
     before = tools.settled(canvas)
     source = front_vertices(x)[0]
@@ -140,14 +161,15 @@ def test_geodesics_by_mouse(notebook, page, pair):
     assert float(book.python("print(w.path.length)")) > length
 
 
-def test_symmetry_by_mouse(notebook, page, lab):
+def test_symmetry_by_mouse(book, lab):
     vertices, faces = shapes.icosphere(3)
     lumpy = vertices * (1 + 0.3 * vertices[:, 1:2] + 0.2 * vertices[:, 2:] ** 2)
     surface = Surface(lumpy, faces)
     mirror = np.linalg.norm(lumpy[:, None] * [-1, 1, 1] - lumpy, axis=2).argmin(axis=1)
     surface.write(lab.folder / "s.ply")
     np.save(lab.folder / "mirror.npy", mirror)
-    book = notebook(
+    page = book.page
+    book.show(
         "from types import SimpleNamespace\n"
         "s, T = qg.Surface.read('s.ply'), np.load('mirror.npy')\n"
         "sides = np.sign(s.vertices[:, 0].round(6)).astype(int)\n"
@@ -198,8 +220,9 @@ def test_a_page_without_webgl_shows_a_picture_and_a_sentence(chromium, lab, pair
     browser.close()
 
 
-def test_an_animation_plays_while_the_kernel_is_busy(notebook, page):
-    book = notebook(
+def test_an_animation_plays_while_the_kernel_is_busy(book):
+    page = book.page
+    book.show(
         "frames = [x.with_vertices(x.vertices * [1, 1, 1 + 0.4 * k]) for k in range(4)]\n"
         "w = qw.animate(frames, seconds=2.0)\nw"
     )

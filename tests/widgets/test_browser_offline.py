@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import gzip
 import json
 import re
 from types import SimpleNamespace
@@ -17,6 +18,7 @@ from qgeo_filters import Animation, Surface
 from qgeo_filters.animation.transfer import Transfer
 from qgeo_widgets import symmetry_widget
 from qgeo_widgets.offscreen import pane_picture
+from qgeo_widgets.rendering.pane import Line
 
 
 @pytest.fixture
@@ -39,12 +41,21 @@ def offline(chromium, tmp_path):
 
 
 def page_data(path) -> dict:
-    """The data inside a page."""
-    return json.loads(re.search(r'<script id="data"[^>]*>(.*?)</script>', path.read_text(), re.S)[1])
+    """The data inside a page, with bytes where it names a part of the block."""
+    text = path.read_text()
+    parts = {name: re.search(rf'<script id="{name}"[^>]*>(.*?)</script>', text, re.S)[1] for name in ("data", "arrays")}
+    block = gzip.decompress(base64.b64decode(parts["arrays"]))
+
+    def resolved(item):
+        return block[item["bytes_at"] :][: item["length"]] if "bytes_at" in item else item
+
+    return json.loads(parts["data"], object_hook=resolved)
 
 
-def array(text: str, dtype: type) -> np.ndarray:
-    return np.frombuffer(base64.b64decode(text), dtype)
+def places(quantised: dict) -> np.ndarray:
+    """Points (p, 3) that were sent in 16 bits each."""
+    steps = np.frombuffer(quantised["bytes"], np.uint16).reshape(-1, 3)
+    return steps * np.array(quantised["step"]) + quantised["low"]
 
 
 def test_a_page_holds_shapes_colors_and_partners_as_they_are(pair, tmp_path):
@@ -54,13 +65,15 @@ def test_a_page_holds_shapes_colors_and_partners_as_they_are(pair, tmp_path):
     widget.picked = ("x", 4)
     widget.to_html(tmp_path / "page.html")
     data = page_data(tmp_path / "page.html")
-    np.testing.assert_array_equal(array(data["shapes"][0]["index"], np.uint32).reshape(-1, 3), x.faces)
-    np.testing.assert_array_equal(array(data["partners"][0], np.int32), where)
+    shape, pane = data["setup"]["panes"][0], widget._viewer.panes[0]
+    np.testing.assert_array_equal(np.frombuffer(shape["index"], np.uint16).reshape(-1, 3), x.faces)
+    np.testing.assert_allclose(places(shape["positions"]), pane.placement.to_scene(x.vertices), atol=1e-5)
+    np.testing.assert_array_equal(np.frombuffer(data["partners"][0], np.int32), where)
     assert data["modes"][data["start"]]["name"] == "attribute: height"
     painted = data["modes"][data["start"]]["steps"][0]["panes"][0]
-    colors = array(painted["lut"], np.uint8).reshape(-1, 3)[array(painted["index"], np.uint8)]
+    colors = np.frombuffer(painted["lut"], np.uint8).reshape(-1, 3)[np.frombuffer(painted["index"], np.uint8)]
     np.testing.assert_allclose(colors / 255, widget._viewer.panes[0].colors, atol=0.02)
-    assert [mark["color"] for mark in data["shapes"][1]["marks"]] == ["#db1c29"]
+    assert [mark["color"] for mark in data["setup"]["panes"][1]["marks"]] == ["#db1c29"]
     steps = {mode["name"]: len(mode["steps"]) for mode in data["modes"]}
     assert steps["eigenfunction"] == 20
     assert widget.mode == "attribute: height"
@@ -93,7 +106,7 @@ def test_compare_page_turns_both_views_picks_partners_and_switches_modes(pair, t
     widget.to_html(tmp_path / "page.html")
     widget.close()
     page = offline(tmp_path / "page.html")
-    left, right = page.locator(".view canvas").first, page.locator(".view canvas").last
+    left, right = page.locator(".qgeo-view").first, page.locator(".qgeo-view").last
     tools.until(lambda: tools.pixels(left).std() > 15)
     assert not page.locator("#player").is_visible()
     before = tools.settled(left), tools.settled(right)
@@ -146,11 +159,11 @@ def test_a_line_without_length_is_not_drawn(pair, make):
 def test_a_page_with_a_line_too_short_to_see_is_not_blank(pair, tmp_path, offline):
     widget = qw.geodesics(pair[0])
     place = pair[0].vertices[5]
-    widget._viewer.panes[0].lines["path"] = np.stack([place, place + 1e-8, place]), (1.0, 0.0, 0.0)
+    widget._viewer.panes[0].lines["path"] = Line(np.stack([place, place + 1e-8, place]), (1.0, 0.0, 0.0), 5.0)
     widget.to_html(tmp_path / "page.html")
     widget.close()
     page = offline(tmp_path / "page.html")
-    tools.until(lambda: tools.pixels(page.locator(".view canvas")).std() > 15)
+    tools.until(lambda: tools.pixels(page.locator(".qgeo-view")).std() > 15)
     assert not page.locator("#no-drawing").is_visible()
 
 
@@ -160,7 +173,7 @@ def test_a_page_that_cannot_draw_says_so_and_shows_the_still_picture(pair, tmp_p
     widget.to_html(tmp_path / "page.html")
     widget.close()
     text = (tmp_path / "page.html").read_text()
-    (tmp_path / "broken.html").write_text(text.replace('"shapes": [', '"shapes": [{}, '))
+    (tmp_path / "broken.html").write_text(text.replace('"panes": [', '"panes": [{}, ', 1))
     page.goto((tmp_path / "broken.html").as_uri())
     why = page.locator("#why").inner_text()
     assert re.match("This page could not draw the shapes, so this is a still picture. The error was: .*Error", why)
@@ -182,7 +195,7 @@ def test_a_click_on_a_page_takes_the_exported_pick_away(pair, tmp_path, offline)
 
     def after_a_click(path):
         page = offline(path)
-        canvas = page.locator(".view canvas").first
+        canvas = page.locator(".qgeo-view").first
         tools.until(lambda: tools.pixels(canvas).std() > 15)
         before = tools.settled(canvas)
         box = canvas.bounding_box()
@@ -192,7 +205,7 @@ def test_a_click_on_a_page_takes_the_exported_pick_away(pair, tmp_path, offline)
     with_marks, picked, info = after_a_click(tmp_path / "page.html")
     without, expected, _ = after_a_click(tmp_path / "bare.html")
     assert np.abs(with_marks - without).max() > 50
-    np.testing.assert_array_equal(picked, expected)  # the landmark is still there, and nothing else
+    np.testing.assert_allclose(picked, expected, atol=3)  # the landmark is still there, and nothing else
     assert not info
 
 
@@ -209,7 +222,7 @@ def test_regions_of_a_page_do_not_mix_their_colors(pair, tmp_path, offline):
     palette = widget._field.palette[:2]
     widget.close()
     page = offline(tmp_path / "page.html")
-    canvas = page.locator(".view canvas").first
+    canvas = page.locator(".qgeo-view").first
     tools.until(lambda: tools.pixels(canvas).std() > 15)
     picture = tools.settled(canvas).reshape(-1, 3)
     ratios = picture[(np.abs(picture - [247, 247, 248]) > 3).any(axis=1)]
@@ -224,14 +237,14 @@ def test_regions_of_a_page_do_not_mix_their_colors(pair, tmp_path, offline):
 @pytest.mark.browser
 def test_a_snapshot_is_what_a_page_shows(pair, tmp_path, offline):
     widget = qw.compare(pair[0], pair[1], p2p=pair[2])
-    widget._viewer._orbit.target = (0.2, -0.1, 0.15)
+    widget._viewer.target = (0.2, -0.1, 0.15)
     widget.camera = (1.2, 0.9, 1.6)
     widget.to_html(tmp_path / "page.html")
     pictures = [pane_picture(widget._viewer, pane, 440, 400) for pane in widget._viewer.panes]
     widget.close()
     page = offline(tmp_path / "page.html")
     for number, picture in enumerate(pictures):
-        canvas = page.locator(".view canvas").nth(number)
+        canvas = page.locator(".qgeo-view").nth(number)
         tools.until(lambda canvas=canvas: tools.pixels(canvas).std() > 15)
         on_page = tools.settled(canvas)
         covered = [
@@ -247,7 +260,7 @@ def test_matrix_page_shows_rows_under_the_mouse(tmp_path, offline):
     widget.to_html(tmp_path / "page.html")
     widget.close()
     page = offline(tmp_path / "page.html")
-    shape, matrix = page.locator(".view canvas"), page.locator(".matrix canvas")
+    shape, matrix = page.locator(".qgeo-view"), page.locator(".matrix canvas")
     tools.until(lambda: tools.pixels(shape).std() > 15)
     before = tools.settled(shape)
     box = matrix.bounding_box()
@@ -272,8 +285,8 @@ def test_a_page_of_an_animation_holds_each_frame_once(pair, tmp_path):
     state = data["motion"]
     assert (state["time"], state["speed"], state["loop"], state["times"]) == (2.5, 2.0, "back and forth", [0, 1, 3, 4])
     placement = widget._viewer.panes[0].placement
-    frames = array(state["frames"][0], np.float32).reshape(4, -1, 3)
-    np.testing.assert_allclose(placement.to_surface(frames), walk.positions, atol=1e-5)
+    frames = places(data["setup"]["panes"][0]["frames"]).reshape(4, -1, 3)
+    np.testing.assert_allclose(placement.to_surface(frames), walk.positions, atol=1e-4)
     assert data["modes"][data["start"]]["name"] == "attribute: height"
     widget.close()
 
@@ -285,7 +298,7 @@ def test_animation_page_plays_both_shapes_at_one_time(pair, tmp_path, offline):
     widget.to_html(tmp_path / "page.html")
     widget.close()
     page = offline(tmp_path / "page.html")
-    canvases = page.locator(".view canvas").first, page.locator(".view canvas").last
+    canvases = page.locator(".qgeo-view").first, page.locator(".qgeo-view").last
     time, shown, play = page.locator("#time"), page.locator("#time-value"), page.locator("#play")
     tools.until(lambda: tools.pixels(canvases[0]).std() > 10)
     assert page.locator("#player").is_visible()

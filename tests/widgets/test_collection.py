@@ -81,7 +81,7 @@ def test_vertices_without_a_partner_are_grey_and_say_so():
     widget.close()
 
 
-def test_many_shapes_come_in_pages():
+def test_many_shapes_come_in_pages(pythreejs):
     some, maps = shapes(10)
     first, second = (qw.collection(some, maps, page=page) for page in (1, 2))
     assert len(first.names) == 8

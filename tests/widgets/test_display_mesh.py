@@ -7,10 +7,10 @@ import pytest
 from shapes import blob
 
 import qgeo_filters as qg
-from qgeo_widgets import display_mesh
-from qgeo_widgets.display_mesh import DisplayMesh
-from qgeo_widgets.scene_placement import placement_of
-from qgeo_widgets.viewer import Viewer
+from qgeo_widgets.rendering import display_mesh
+from qgeo_widgets.rendering.backends import new_viewer
+from qgeo_widgets.rendering.display_mesh import DisplayMesh
+from qgeo_widgets.rendering.scene_placement import placement_of
 
 
 @pytest.fixture
@@ -21,31 +21,32 @@ def surface(monkeypatch: pytest.MonkeyPatch) -> qg.Surface:
 
 
 def test_what_the_browser_gets_is_the_proxy(surface: qg.Surface) -> None:
-    viewer = Viewer([surface], [placement_of(surface)], (300, 200), ["<b>shape</b>, 2562 vertices"])
+    viewer = new_viewer([surface], [placement_of(surface)], (300, 200), ["<b>shape</b>, 2562 vertices"])
     (pane,) = viewer.panes
     shown = pane.display.shown
     assert 300 < shown.n_vertices < 500
     colors = np.random.default_rng(0).random((surface.n_vertices, 3))
     assert pane.set_colors(colors)
-    assert pane.picker.controlling.geometry.attributes["color"].array.shape == (shown.n_vertices, 3)
+    sent = np.frombuffer(viewer._scene.paints[0]["rgb"], np.uint8).reshape(-1, 3)
+    assert sent.shape == (shown.n_vertices, 3)
     np.testing.assert_array_equal(pane.colors, colors.astype(np.float32))  # pictures have all of them
     near = np.linalg.norm(surface.vertices[:, None] - shown.vertices, axis=2).argmin(axis=0)
-    assert (pane.picker.controlling.geometry.attributes["color"].array == pane.colors[near]).all(axis=1).mean() > 0.95
-    assert f"2562 vertices, drawn as a mesh of {shown.n_vertices}" in str(viewer.widget.children[1].children[0].value)
+    assert (sent == np.rint(255 * pane.colors[near])).all(axis=1).mean() > 0.95
+    shape = viewer._scene.setup["panes"][0]
+    assert f"2562 vertices, drawn as a mesh of {shown.n_vertices}" in shape["title"]
+    numbers = np.frombuffer(shape["numbers"], np.int32)  # what is said of a vertex under the mouse
+    assert (numbers == near).mean() > 0.95
     viewer.close()
 
 
 def test_a_click_means_the_nearest_vertex_of_the_surface(surface: qg.Surface) -> None:
-    viewer = Viewer([surface], [placement_of(surface)], (300, 200), [""])
+    viewer = new_viewer([surface], [placement_of(surface)], (300, 200), [""])
     (pane,) = viewer.panes
     clicked: list[int] = []
     pane.on_pick(clicked.append)
     corners = pane.display.shown.faces[7]
     place = pane.display.shown.vertices[corners].mean(axis=0)
-    point = tuple(pane.placement.to_scene(place).tolist())
-    pane.press.point = point
-    pane.picker.face, pane.picker.faceIndex = tuple(corners.tolist()), 7
-    pane.picker.point = point
+    pane.clicked(corners, pane.placement.to_scene(place))
     assert clicked == [int(np.linalg.norm(surface.vertices - place, axis=1).argmin())]
     viewer.close()
 

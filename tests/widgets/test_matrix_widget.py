@@ -31,9 +31,7 @@ def widget(surface):
 
 def hover(widget, row: int, column: int) -> None:
     """What the browser sends when the mouse is over an entry."""
-    m = len(widget._pane.image)
-    place = [2 * (column + 0.5) / m - 1, 1 - 2 * (row + 0.5) / m, 0.0]
-    widget._pane.hover.set_state({"faceIndex": 0, "point": place})
+    widget._pane.widget._handle_custom_msg({"kind": "hover", "row": row, "column": column}, [])
 
 
 def test_picture_is_the_matrix_of_neighbours(widget, surface):
@@ -79,8 +77,7 @@ def test_a_vertex_without_a_row_has_its_own_distances(widget, surface):
 
 
 def test_a_click_on_an_entry_marks_both_of_its_vertices(widget):
-    m = len(widget._pane.image)
-    widget._pane.click.set_state({"faceIndex": 0, "point": [2 * 41.5 / m - 1, 1 - 2 * 12.5 / m, 0.0]})
+    widget._pane.widget._handle_custom_msg({"kind": "click", "row": 12, "column": 41}, [])
     i, j = widget._vertex_of_row[[12, 41]]
     assert f"d({i}, {j}) = {widget._table[12, j]:.4f}" in widget._info.value
     assert set(widget._viewer.panes[0].marks) == {"picked", "other"}

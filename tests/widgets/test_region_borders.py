@@ -7,9 +7,9 @@ import pytest
 import shapes
 
 from qgeo_filters import Surface
-from qgeo_widgets.region_borders import region_borders
-from qgeo_widgets.scene_placement import placement_of
-from qgeo_widgets.viewer import Viewer
+from qgeo_widgets.rendering.backends import new_viewer
+from qgeo_widgets.rendering.region_borders import region_borders
+from qgeo_widgets.rendering.scene_placement import placement_of
 
 
 @pytest.fixture(scope="module")
@@ -41,9 +41,9 @@ def test_pieces_fill_their_triangles_and_face_as_they_do(regions):
     assert areas.sum() == pytest.approx(surface.face_areas[mixed].sum())
 
 
-def test_the_pane_draws_them_in_flat_colors_and_frees_what_it_drew(regions, counted):
+def test_the_pane_draws_them_in_flat_colors_and_frees_what_it_drew(regions, counted, pythreejs):
     surface, labels = regions
-    viewer = Viewer([surface], [placement_of(surface)], (300, 200), ["X"])
+    viewer = new_viewer([surface], [placement_of(surface)], (300, 200), ["X"])
     pane, palette = viewer.panes[0], np.eye(5, 3)
     for shift in range(4):
         pane.set_regions((labels + shift) % 4, palette)

@@ -12,9 +12,9 @@ import shapes
 import qgeo_widgets as qw
 from qgeo_filters import Surface
 from qgeo_filters.errors import ParameterError
-from qgeo_widgets.camera_view import CameraView
 from qgeo_widgets.offscreen import pane_picture
-from qgeo_widgets.viewer import FIELD_OF_VIEW
+from qgeo_widgets.rendering.camera_view import CameraView
+from qgeo_widgets.rendering.viewer import FIELD_OF_VIEW
 
 GREEN = (0.1, 1.0, 0.1)
 
@@ -30,7 +30,7 @@ def size_of(png: bytes) -> tuple[int, int]:
 )
 def test_a_mark_is_where_the_camera_shows_it_and_as_large(pair, camera, target):
     widget = qw.compare(pair[0], pair[1], p2p=pair[2])
-    widget._viewer._orbit.target = target
+    widget._viewer.target = target
     widget.camera = camera
     toward = np.subtract(camera, target)
     distance = np.linalg.norm(toward)
@@ -80,7 +80,7 @@ def test_dpi_is_that_of_the_screen_times_and_checked(pair):
 
 def test_a_camera_within_the_shape_gives_a_picture(pair):
     widget = qw.compare(pair[0], pair[1], p2p=pair[2])
-    widget._viewer._orbit.target = (0.0, 0.0, 9.0)  # it looks away
+    widget._viewer.target = (0.0, 0.0, 9.0)  # it looks away
     widget.camera = (0.0, 0.0, 8.0)
     assert np.ptp(pane_picture(widget._viewer, widget._viewer.panes[0]), axis=(0, 1)).max() == 0
     widget.close()

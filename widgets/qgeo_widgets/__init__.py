@@ -7,7 +7,7 @@ to one page that opens offline. What goes wrong is a sentence in the widget.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from qgeo_widgets.matrix_widget import MatrixWidget
     from qgeo_widgets.symmetry_widget import SymmetryWidget
 
-__all__ = ["animate", "collection", "compare", "geodesics", "matrix", "symmetry"]
+__all__ = ["animate", "backend", "collection", "compare", "geodesics", "matrix", "symmetry"]
 
 
 def animate(
@@ -75,6 +75,40 @@ def animate(
     return AnimateWidget(animation, size=size, seconds=seconds, attribute=attribute)
 
 
+def backend(name: Literal["webgl", "pythreejs"] | None = None) -> str:
+    """Choose what draws the widgets that are made from now on; what draws now.
+
+    Parameters
+    ----------
+    name : {"webgl", "pythreejs"}, optional
+        ``"webgl"`` is the browser module of this package: one WebGL context a widget, values under the mouse, keys,
+        and a panel for edges, shading, opacity, light, background and pictures. ``"pythreejs"`` goes through pythreejs:
+        a canvas for each shape, of which a page keeps eight. By default nothing is changed.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    ParameterError
+        There is no such backend.
+    MissingPackageError
+        The package that it goes through is not installed.
+
+    Examples
+    --------
+    >>> import qgeo_widgets as qw
+    >>> qw.backend("pythreejs")
+    'pythreejs'
+    >>> qw.backend("webgl")
+    'webgl'
+    """
+    from qgeo_widgets.rendering.backends import choose_backend
+
+    return choose_backend(name)
+
+
 def collection(
     shapes: Collection | Mapping[str, Any],
     maps: How | Mapping[str, Any] = "matched",
@@ -96,8 +130,8 @@ def collection(
     template : str, optional
         Whose colours and points are carried to the others; the first shape by default.
     page : int
-        Eight pictures of this kind live at once, so that eight shapes are shown, the template first: page 1 has the
-        template and the first seven others.
+        A page has 24 shapes, eight with the backend of pythreejs, the template first: page 1 has the template and the
+        first 23 others.
     size : (int, int)
         Width and height of each canvas in pixels.
 

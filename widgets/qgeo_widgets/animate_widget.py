@@ -16,11 +16,12 @@ from qgeo_widgets.animation_input import animations_of
 from qgeo_widgets.base import ShapeWidget
 from qgeo_widgets.coloring import ATTRIBUTE
 from qgeo_widgets.fields import ColorField, Field, number_field
-from qgeo_widgets.motion import Motion, placements_of
-from qgeo_widgets.pane import CLAY
 from qgeo_widgets.player import FASTEST, LOOPS, REPEAT, SLOWEST, Player
+from qgeo_widgets.rendering.backends import new_viewer
+from qgeo_widgets.rendering.motion import Motion, placements_of
+from qgeo_widgets.rendering.pane import CLAY
+from qgeo_widgets.rendering.viewer import Viewer
 from qgeo_widgets.shape import Shape
-from qgeo_widgets.viewer import Viewer
 
 PLAIN = "plain"
 
@@ -72,7 +73,7 @@ class AnimateWidget(ShapeWidget):
                 f"<b>{shape.name}</b>, {shape.surface.n_vertices} vertices{motion.caption}"
                 for shape, motion in zip(self._shapes, motions, strict=True)
             ]
-            viewer = Viewer([shape.surface for shape in self._shapes], placements, size, titles, motions)
+            viewer = new_viewer([shape.surface for shape in self._shapes], placements, size, titles, motions)
             self._player = player
             self.time = float(self._times[0])
             self._assemble(viewer, [shape.name for shape in self._shapes], mode)
@@ -81,8 +82,7 @@ class AnimateWidget(ShapeWidget):
             self._connect(player, viewer)
 
     def _connect(self, player: Player, viewer: Viewer) -> None:
-        for pane in viewer.moving:
-            pane.follow(player.clock)
+        viewer.follow(player.clock)
         player.set_speed(self.speed)
         player.button.on_click(lambda _: self.set_trait("playing", not self.playing))
         player.clock.observe(self._ticked, "value")
@@ -157,8 +157,7 @@ class AnimateWidget(ShapeWidget):
             finally:
                 self._ticking = False
         if not self.playing:
-            for pane in self._viewer.moving:
-                pane.show(self.time)
+            self._viewer.show_time(self.time)
 
     def _go_to_frame(self, frame: int) -> None:
         if self._viewer is not None and frame != int(np.abs(self._times - self.time).argmin()):
@@ -168,11 +167,10 @@ class AnimateWidget(ShapeWidget):
         if self._viewer is None or self._player is None:
             return
         self._player.run(playing)
-        for pane in self._viewer.moving:
-            if playing:
-                pane.play()
-            else:
-                pane.pause(self.time)
+        if playing:
+            self._viewer.play()
+        else:
+            self._viewer.pause(self.time)
 
     # -- colours ------------------------------------------------------------------------------------
 
@@ -217,12 +215,12 @@ class AnimateWidget(ShapeWidget):
         self._player = None
         super().close()
 
-    def _draw_fallbacks(self) -> None:
+    def _draw_stills(self) -> None:
         self._pose()
-        super()._draw_fallbacks()
+        super()._draw_stills()
 
     def _pose(self) -> None:
-        for pane in self._viewer.moving if self._viewer is not None else ():
+        for pane in self._viewer.panes if self._viewer is not None else ():
             pane.pose(self.time)
 
     def _page_extras(self) -> dict[str, Any]:
@@ -231,7 +229,7 @@ class AnimateWidget(ShapeWidget):
         if self._player is None:
             return {}
         state = {"time": self.time, "speed": self.speed, "loop": str(self.loop), "seconds": self._player.seconds}
-        return {"motion": motion_data([pane.motion for pane in self._open_viewer.moving], state)}
+        return {"motion": motion_data(self._open_viewer.panes[0].motion, state)}
 
 
 def _checked_seconds(seconds: float | None, frames: int) -> float:

@@ -16,11 +16,11 @@ from qgeo_filters.validation import checked_count
 from qgeo_widgets import controls
 from qgeo_widgets.cell_widgets import replace_earlier
 from qgeo_widgets.coloring import ColoredWidget
-from qgeo_widgets.disposal import close_tree
 from qgeo_widgets.offscreen import data_url, pane_picture, png_url, snapshot
+from qgeo_widgets.rendering.disposal import close_tree
+from qgeo_widgets.rendering.viewer import Viewer, checked_camera
 from qgeo_widgets.saved_image import LIVE, display_with_image
 from qgeo_widgets.snapshot_figure import Chart, Picture
-from qgeo_widgets.viewer import Viewer, checked_camera
 
 
 def chosen(vertex: int | None) -> int:
@@ -75,8 +75,7 @@ class ShapeWidget(ColoredWidget):
         reset.on_click(lambda _: viewer.reset())
         picture = controls.button("snapshot", "a picture of what is shown, to save")
         picture.on_click(lambda _: self._offer_snapshot())
-        for fallback in viewer.fallbacks:
-            fallback.redraw.on_click(lambda _: self._draw_fallbacks())
+        viewer.on_redraw(self._draw_stills)
         viewer.on_camera(lambda position: self.set_trait("camera", position))
         self.camera = viewer.camera
         self.observe(self._camera_set, "camera")
@@ -184,10 +183,9 @@ class ShapeWidget(ColoredWidget):
             url = data_url(self.snapshot())
             self._saved.value = f'<a download="qgeo-snapshot.png" href="{url}">save snapshot.png</a>'
 
-    def _draw_fallbacks(self) -> None:
+    def _draw_stills(self) -> None:
         viewer = self._open_viewer
-        for pane, fallback in zip(viewer.panes, viewer.fallbacks, strict=True):
-            fallback.show(png_url(pane_picture(viewer, pane)))
+        viewer.show_stills([png_url(pane_picture(viewer, pane)) for pane in viewer.panes])
 
     def _ipython_display_(self, **kwargs: Any) -> None:
         bundle = super()._repr_mimebundle_(**kwargs)
@@ -196,7 +194,7 @@ class ShapeWidget(ColoredWidget):
         if self._viewer is None or not data:
             display(data or {"text/plain": name}, raw=True)
             return
-        self._draw_fallbacks()
+        self._draw_stills()
         self.add_class(LIVE + self.model_id)
         display_with_image(data, self.model_id, name, self.snapshot(dpi=96))
 
@@ -205,7 +203,7 @@ class ShapeWidget(ColoredWidget):
         if self._viewer is None or not bundle:
             return bundle
         data, *rest = bundle if isinstance(bundle, tuple) else (bundle,)
-        self._draw_fallbacks()
+        self._draw_stills()
         # What shows no widgets (a code host, an exported notebook) shows this.
         data = {**data, "image/png": self.snapshot()}
         return (data, *rest) if isinstance(bundle, tuple) else data

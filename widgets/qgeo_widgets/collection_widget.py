@@ -23,9 +23,9 @@ from qgeo_widgets import controls
 from qgeo_widgets.base import ShapeWidget
 from qgeo_widgets.coloring import ATTRIBUTE
 from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field
-from qgeo_widgets.scene_placement import aligned_placement, placement_of
+from qgeo_widgets.rendering.backends import most_shapes, new_viewer
+from qgeo_widgets.rendering.scene_placement import aligned_placement, placement_of
 from qgeo_widgets.shape import Shape
-from qgeo_widgets.viewer import MOST_CANVASES, Viewer
 
 CARRIED = "colours carried from the template"
 DISTANCE = "distance from the picked point"
@@ -71,7 +71,7 @@ class CollectionWidget(ShapeWidget):
                 targets = first.to_scene(place.pulled_back(surfaces[0].vertices)[known])
                 placements.append(aligned_placement(surface, surface.vertices[known], targets))
             titles = [f"<b>{name}</b>, {s.n_vertices} vertices" for name, s in zip(self.names, surfaces, strict=True)]
-            viewer = Viewer(surfaces, placements, size, titles)
+            viewer = new_viewer(surfaces, placements, size, titles)
             self._modes = {CARRIED: self._carried_field, DISTANCE: self._distance_field}
             for name in surfaces[0].attributes:
                 self._modes[ATTRIBUTE + name] = partial(self._attribute_field, name)
@@ -193,7 +193,7 @@ def _shown(names: list[str], template: str | None, page: int) -> tuple[tuple[str
     if first not in names:
         raise ParameterError(f"there is no shape called {first!r} to be the template, only {', '.join(names[:8])}")
     others = [name for name in names if name != first]
-    room = MOST_CANVASES - 1
+    room = most_shapes() - 1
     pages = max(1, -(-len(others) // room))
     if not 1 <= page <= pages:
         raise ParameterError(f"page must be between 1 and {pages}, got {page}")

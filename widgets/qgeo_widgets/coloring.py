@@ -13,7 +13,7 @@ from qgeo_filters.errors import ParameterError, QgeoError
 from qgeo_widgets import controls
 from qgeo_widgets.fields import Field, RegionField, ScalarField
 from qgeo_widgets.guarded import GuardedWidget
-from qgeo_widgets.viewer import Viewer
+from qgeo_widgets.rendering.viewer import Viewer
 
 EIGENFUNCTION = "eigenfunction"
 ATTRIBUTE = "attribute: "
@@ -104,12 +104,15 @@ class ColoredWidget(GuardedWidget):
         colors = field.colors(limits)
         self._field = field
         self._settle(mode, k, count, new_mode)
-        for number, (pane, each) in enumerate(zip(viewer.panes, colors, strict=True)):
-            pane.set_colors(each)
-            if isinstance(field, RegionField):
-                pane.set_regions(field.numbers()[number], field.palette)
-            elif pane.regions is not None:
-                pane.set_regions(None)
+        with viewer.together():
+            for number, (pane, each) in enumerate(zip(viewer.panes, colors, strict=True)):
+                pane.set_colors(each)
+                if isinstance(field, RegionField):
+                    pane.set_regions(field.numbers()[number], field.palette)
+                    pane.set_values(field.numbers()[number], field.names)
+                else:
+                    pane.set_regions(None)
+                    pane.set_values(field.values[number] if isinstance(field, ScalarField) else None)
         self._legend.value = field.legend(limits)
 
     def _settle(self, mode: str, k: int, count: int, new_mode: bool) -> None:

@@ -16,10 +16,10 @@ from qgeo_widgets import controls
 from qgeo_widgets.coloring import ATTRIBUTE, EIGENFUNCTION
 from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field, region_field
 from qgeo_widgets.matching_widget import SIDES, MatchingWidget
-from qgeo_widgets.scene_placement import aligned_placement, placement_of
+from qgeo_widgets.rendering.backends import new_viewer
+from qgeo_widgets.rendering.scene_placement import aligned_placement, placement_of
 from qgeo_widgets.shape import Shape
 from qgeo_widgets.vertex_map import VertexMap
-from qgeo_widgets.viewer import Viewer
 
 if TYPE_CHECKING:
     from qgeo_filters.matching.match_result import MatchResult
@@ -65,7 +65,7 @@ class CompareWidget(MatchingWidget):
             seen = surfaces[1].vertices[self._map.forward]
             placement_y = aligned_placement(surfaces[1], seen, placement_x.to_scene(surfaces[0].vertices))
             titles = [f"<b>{s.name}</b>, {s.surface.n_vertices} vertices" for s in self._shapes]
-            viewer = Viewer(surfaces, [placement_x, placement_y], size, titles)
+            viewer = new_viewer(surfaces, [placement_x, placement_y], size, titles)
             self._modes = self._make_modes()
             follow = controls.tick("distances on click", True, "a click also shows the distances from the point")
             traitlets.link((self, "follow"), (follow, "value"))

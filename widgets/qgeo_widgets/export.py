@@ -1,13 +1,11 @@
-"""A widget as one web page that opens offline: three.js inside, arrays as base64, nothing loaded from anywhere."""
+"""A widget as one web page that opens offline: our browser module inside, arrays compressed, nothing loaded."""
 
 from __future__ import annotations
 
-import base64
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
-from importlib.metadata import files
 from importlib.resources import files as resources
 from os import PathLike
 from typing import Any
@@ -15,15 +13,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.atomic import atomic_write
-from qgeo_filters.errors import MissingPackageError
 from qgeo_widgets.fields import Field, Limits, RegionField, ScalarField
-from qgeo_widgets.legend import css
-from qgeo_widgets.motion import Motion
-from qgeo_widgets.pane import Pane
-from qgeo_widgets.region_borders import region_borders
-from qgeo_widgets.viewer import FIELD_OF_VIEW, Viewer
+from qgeo_widgets.page_block import PageBlock
+from qgeo_widgets.rendering import module
+from qgeo_widgets.rendering.encoding import border_data, color_bytes, line_data, mark_data, scene_data
+from qgeo_widgets.rendering.motion import Motion
+from qgeo_widgets.rendering.pane import Pane
+from qgeo_widgets.rendering.viewer import FIELD_OF_VIEW, Viewer
 
 _STEPS = 256
 
@@ -80,17 +77,21 @@ def write_page(path: str | PathLike[str], viewer: Viewer, page: Page, still: str
 
 def page_text(viewer: Viewer, page: Page, still: str) -> str:
     """Text of the page."""
+    block = PageBlock()
+    titles = [
+        f"<b>{escape(name)}</b>, {pane.surface.n_vertices} vertices"
+        for pane, name in zip(viewer.panes, page.names, strict=True)
+    ]
+    setup = scene_data(viewer.panes, titles, viewer, FIELD_OF_VIEW)
+    for shape, pane, name in zip(setup["panes"], viewer.panes, page.names, strict=True):
+        shape |= {"name": name, **_marked(pane, page.lasting)}
     data = {
-        "size": viewer.size,
-        "fov": FIELD_OF_VIEW,
-        "home": viewer.home,
-        "camera": viewer.camera,
-        "target": viewer.camera_view().target.tolist(),
-        "radius": viewer.mark_radius,
+        "setup": setup,
+        "camera": {"position": viewer.camera, "target": viewer.target},
+        "look": viewer.look,
         "start": page.start,
         "step": page.step,
         "info": bool(page.info),
-        "shapes": [_shape(pane, name, page.lasting) for pane, name in zip(viewer.panes, page.names, strict=True)],
         "modes": [
             {
                 "name": name,
@@ -101,24 +102,23 @@ def page_text(viewer: Viewer, page: Page, still: str) -> str:
             }
             for m, (name, fields) in enumerate(page.modes)
         ],
-        "partners": None if page.partners is None else [_b64(p, np.int32) for p in page.partners],
+        "partners": None if page.partners is None else [np.asarray(p, dtype=np.int32) for p in page.partners],
         "matrix": page.matrix or None,
         "motion": page.motion or None,
     }
+    description = json.dumps(block.placed(data))
     parts = {
         "title": escape(page.title),
-        "style": _resource("page.css"),
+        "style": module.style() + _resource("page.css"),
         "still": still,
         "hint": escape(page.hint),
         "info": page.info,
         # Nothing within a script element may look like its end.
-        "data": json.dumps(data).replace("<", "\\u003c"),
-        "licence": _resource("licence.txt"),
-        "three": three_js().replace("</script", "<\\/script"),
-        "orbit": _resource("orbit.js"),
-        "motion": _resource("motion.js"),
+        "data": description.replace("<", "\\u003c"),
+        "arrays": block.text(),
+        "licence": module.licence(),
+        "renderer": module.script().replace("</script", "<\\/script"),
         "failure": _resource("failure.js"),
-        "script": _resource("page.js"),
     }
     template = _resource("page.html")
     pieces = template.split("@")
@@ -140,61 +140,25 @@ def matrix_data(
         "count": len(image),
         "title": escape(title),
         "strip": strip,
-        "image": _b64(image, np.uint8),
-        "rows": _b64(index, np.uint8),
-        "lut": _b64(lut, np.uint8),
-        "vertices": _b64(vertices, np.int32),
+        "image": np.asarray(image, dtype=np.uint8),
+        "rows": index,
+        "lut": lut,
+        "vertices": np.asarray(vertices, dtype=np.int32),
         "legend": shown.legend(None),
+        "scale": _span(shown, None),
     }
 
 
-def motion_data(motions: Sequence[Motion], state: Mapping[str, Any]) -> dict[str, Any]:
-    """What a page needs to play: frames (k, m, 3), their times (k,), and time, speed, loop and seconds at first."""
+def motion_data(motion: Motion | None, state: Mapping[str, Any]) -> dict[str, Any]:
+    """What a page needs to play: times of the frames (k,), and time, speed, loop and seconds at first."""
+    return {} if motion is None else {"times": motion.times.tolist(), **state}
+
+
+def _marked(pane: Pane, lasting: tuple[str, ...]) -> dict[str, Any]:
+    """Marks and lines, and which of them a click leaves."""
     return {
-        "times": motions[0].times.tolist(),
-        "frames": [_b64(motion.positions, np.float32) for motion in motions],
-        **state,
-    }
-
-
-def three_js() -> str:
-    """Text of the three.js that pythreejs ships."""
-    for file in files("pythreejs") or ():
-        if file.name == "three.js" and "nbextensions" in file.parts:
-            return file.read_text(encoding="utf-8")
-    raise MissingPackageError("to_html needs the three.js of pythreejs, which its installation here does not hold")
-
-
-def _shape(pane: Pane, name: str, lasting: tuple[str, ...]) -> dict[str, Any]:
-    surface, placement = pane.surface, pane.placement
-    title, numbers = f"<b>{escape(name)}</b>, {surface.n_vertices} vertices{pane.page_caption}", None
-    if pane.page_mesh is not None:
-        if pane.page_mesh.is_proxy:
-            numbers = _b64(pane.page_mesh.at_vertices(np.arange(surface.n_vertices)), np.int32)
-        surface = pane.page_mesh.shown
-    return {
-        "name": name,
-        "title": title,
-        "numbers": numbers,
-        "positions": _b64(placement.to_scene(surface.vertices), np.float32),
-        "normals": _b64(surface.vertex_normals @ placement.axes.T, np.float32),
-        "index": _b64(surface.faces, np.uint32),
-        "marks": [
-            {
-                "place": placement.to_scene(place).tolist(),
-                "color": css(np.asarray(color)),
-                "lasts": slot.startswith(lasting),
-            }
-            for slot, (place, color) in pane.marks.items()
-        ],
-        "lines": [
-            {
-                "points": _b64(placement.to_scene(curve), np.float32),
-                "color": css(np.asarray(color)),
-                "lasts": slot.startswith(lasting),
-            }
-            for slot, (curve, color) in pane.lines.items()
-        ],
+        "marks": [{**mark_data(pane, *each), "lasts": each[0].startswith(lasting)} for each in pane.marks.items()],
+        "lines": [{**line_data(pane, *each), "lasts": each[0].startswith(lasting)} for each in pane.lines.items()],
     }
 
 
@@ -204,37 +168,29 @@ def _painted(shown: Field, limits: Limits | None, panes_drawn: Sequence[Pane]) -
     if isinstance(shown, ScalarField):
         panes = []
         for values, pane in zip(shown.values, panes_drawn, strict=True):
-            index, lut = _indexed(_on_page(values, pane), shown, limits)
-            panes.append({"lut": _b64(lut, np.uint8), "index": _b64(index, np.uint8)})
-    else:
-        panes = [
-            {"rgb": _b64(np.rint(255 * _on_page(rgb, pane)), np.uint8)}
-            for rgb, pane in zip(shown.colors(None), panes_drawn, strict=True)
-        ]
-    if isinstance(shown, RegionField):
-        for pane, numbers, entry in zip(panes_drawn, shown.numbers(), panes, strict=True):
-            entry["borders"] = _sharpened(pane, numbers, shown.palette)
-    return {"legend": shown.legend(limits), "panes": panes}
+            index, lut = _indexed(pane.display.at_vertices(values), shown, limits)
+            panes.append({"lut": lut, "index": index})
+        return {"legend": shown.legend(limits), "panes": panes, "scale": _span(shown, limits)}
+    panes = [
+        {"rgb": color_bytes(pane.display.at_vertices(rgb))}
+        for rgb, pane in zip(shown.colors(None), panes_drawn, strict=True)
+    ]
+    if not isinstance(shown, RegionField):
+        return {"legend": shown.legend(limits), "panes": panes}
+    for pane, numbers, entry in zip(panes_drawn, shown.numbers(), panes, strict=True):
+        entry["regions"] = pane.display.at_vertices(numbers).astype(np.int32)
+        entry["borders"] = border_data(pane, numbers, shown.palette)
+    return {"legend": shown.legend(limits), "panes": panes, "names": list(shown.names)}
 
 
-def _sharpened(pane: Pane, numbers: IndexArray, palette: FloatArray) -> dict[str, Any]:
-    """Pieces of the triangles in which regions meet, and their colours."""
-    mesh = pane.surface if pane.page_mesh is None else pane.page_mesh.shown
-    borders = region_borders(mesh.faces, _on_page(numbers, pane))
-    return {
-        "positions": _b64(borders.at_points(pane.placement.to_scene(mesh.vertices)), np.float32),
-        "normals": _b64(borders.at_points(mesh.vertex_normals @ pane.placement.axes.T), np.float32),
-        "rgb": _b64(np.rint(255 * palette[borders.labels]), np.uint8),
-    }
-
-
-def _on_page(values: npt.NDArray[Any], pane: Pane) -> npt.NDArray[Any]:
-    return values if pane.page_mesh is None else pane.page_mesh.at_vertices(values)
+def _span(shown: ScalarField, limits: Limits | None) -> Limits:
+    scale = shown.scale(limits)
+    return scale.low, scale.high
 
 
 def _indexed(
     values: npt.NDArray[np.floating], shown: ScalarField, limits: Limits | None
-) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.float64]]:
+) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.uint8]]:
     """Row of a table of colours for each value, and the table; its last row is for what is not finite."""
     scale = shown.scale(limits)
     last = _STEPS - 2
@@ -243,11 +199,7 @@ def _indexed(
     place = np.clip((np.where(finite, values, scale.low) - scale.low) / span, 0.0, 1.0)
     index = np.where(finite, np.rint(last * place), _STEPS - 1).astype(np.uint8)
     table = scale(np.append(np.linspace(scale.low, scale.high, _STEPS - 1), np.nan))
-    return index, np.rint(255 * table)
-
-
-def _b64(array: npt.ArrayLike, dtype: Any) -> str:
-    return base64.b64encode(np.ascontiguousarray(array, dtype=dtype).tobytes()).decode()
+    return index, color_bytes(table)
 
 
 def _resource(name: str) -> str:

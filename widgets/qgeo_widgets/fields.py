@@ -13,6 +13,7 @@ from qgeo_filters.report.colors import ColorScale, distinct, diverging, sequenti
 from qgeo_widgets.legend import color_bar, swatches
 
 Limits = tuple[float, float]
+_MOST_KEYS = 24  # names of regions that a legend has room for
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,12 +102,15 @@ class RegionField:
         A sentence.
     key : sequence of (color, str)
         Names of the colours.
+    names : sequence of str
+        Of all rows of the palette.
     """
 
     labels: Sequence[npt.NDArray[np.integer]]
     palette: FloatArray
     label: str
     key: Sequence[tuple[FloatArray, str]] = ()
+    names: Sequence[str] = ()
 
     bounds: None = None
 
@@ -133,9 +137,10 @@ def region_field(
     count = int(max(int(numbers.max(initial=-1)) for numbers in labels)) + 1
     palette = np.vstack([distinct(count), np.full((1, 3), 0.62)])
     loose = any((numbers < 0).any() for numbers in labels)
-    names = names or [str(k) for k in range(min(count, 24))]
-    key = [(palette[k], name) for k, name in enumerate(names)] + ([(palette[count], loose_name)] if loose else [])
-    return RegionField(labels, palette, label, key)
+    names = list(names) or [str(k) for k in range(count)]
+    key = [(palette[k], name) for k, name in enumerate(names[:_MOST_KEYS])]
+    key += [(palette[count], loose_name)] if loose else []
+    return RegionField(labels, palette, label, key, [*names[:count], *[""] * (count - len(names)), loose_name])
 
 
 def number_field(values: Sequence[FloatArray], label: str) -> ScalarField:

@@ -22,10 +22,10 @@ from qgeo_widgets.base import ShapeWidget, chosen
 from qgeo_widgets.coloring import ATTRIBUTE
 from qgeo_widgets.fields import Field, ScalarField, number_field
 from qgeo_widgets.path_pair import PathPair, PathPairs
-from qgeo_widgets.scene_placement import placement_of
+from qgeo_widgets.rendering.backends import new_viewer
+from qgeo_widgets.rendering.scene_placement import placement_of
 from qgeo_widgets.shape import Shape
 from qgeo_widgets.snapshot_figure import Chart, Picture
-from qgeo_widgets.viewer import Viewer
 
 SCALAR = "curvature scalar f"
 DISTANCE = "distance from the source"
@@ -75,7 +75,9 @@ class GeodesicsWidget(ShapeWidget):
             self._distances: tuple[tuple[int, float], npt.NDArray[np.float64]] | None = None
             self._pairs_of: tuple[float, PathPairs] | None = None
             self.curvature_weight = curvature_weight
-            viewer = Viewer([surface], [placement_of(surface)], size, [f"<b>shape</b>, {surface.n_vertices} vertices"])
+            viewer = new_viewer(
+                [surface], [placement_of(surface)], size, [f"<b>shape</b>, {surface.n_vertices} vertices"]
+            )
             self._modes = {SCALAR: self._scalar_field, DISTANCE: self._distance_field}
             for name in surface.attributes:
                 self._modes[ATTRIBUTE + name] = partial(self._attribute_field, name)
@@ -95,7 +97,7 @@ class GeodesicsWidget(ShapeWidget):
             traitlets.link((self, "curvature_weight"), (weight, "value"))
             traitlets.link((self, "before"), (before, "value"))
             traitlets.link((self, "place"), (cursor, "value"))
-            viewer.widget.children = [*viewer.widget.children, self._plot]
+            viewer.put_beside(self._plot)
             viewer.on_pick(self._clicked)
             self._assemble(viewer, ["shape"], SCALAR, beside=[weight, before])
             self.observe(lambda _: self._find(), ["source", "target", "curvature_weight"])

@@ -10,7 +10,7 @@ import ipywidgets
 import traitlets
 
 from qgeo_widgets import controls
-from qgeo_widgets.disposal import close_tree
+from qgeo_widgets.rendering.disposal import close_tree
 
 Color = tuple[float, float, float]
 

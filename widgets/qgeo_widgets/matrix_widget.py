@@ -22,11 +22,10 @@ from qgeo_widgets.base import ShapeWidget, chosen
 from qgeo_widgets.coloring import ATTRIBUTE
 from qgeo_widgets.fields import ColorField, Field, Limits, ScalarField, number_field
 from qgeo_widgets.legend import css
-from qgeo_widgets.matrix_pane import MatrixPane
-from qgeo_widgets.scene_placement import placement_of
+from qgeo_widgets.rendering.backends import new_matrix_pane, new_viewer
+from qgeo_widgets.rendering.scene_placement import placement_of
 from qgeo_widgets.shape import Shape
 from qgeo_widgets.snapshot_figure import Chart, Picture
-from qgeo_widgets.viewer import Viewer
 
 DISTANCE = "distances of the row"
 ORDER = "where the rows are"
@@ -66,8 +65,8 @@ class MatrixWidget(ShapeWidget):
             reached = table[np.isfinite(table)]
             self._span = 0.0, float(reached.max(initial=0.0)) or 1.0  # of the matrix and the shape alike
             image = self._image(None)
-            viewer = Viewer([shape.surface], [placement_of(shape.surface)], (size, size), [_title(shape)])
-            self._pane = MatrixPane(image, size)
+            viewer = new_viewer([shape.surface], [placement_of(shape.surface)], (size, size), [_title(shape)])
+            self._pane = new_matrix_pane(image, size)
             self._modes = {DISTANCE: self._distance_field, ORDER: self._order_field}
             for name in shape.surface.attributes:
                 self._modes[ATTRIBUTE + name] = partial(self._attribute_field, name)
@@ -80,7 +79,7 @@ class MatrixWidget(ShapeWidget):
                 [ipywidgets.HTML(title), ipywidgets.HBox([strip, self._pane.widget])],
                 layout={"overflow": "visible", "margin": "0 6px 4px 0"},
             )
-            viewer.widget.children = [viewer.widget.children[0], matrix_side, *viewer.widget.children[1:]]
+            viewer.put_beside(matrix_side, first=True)
             self._assemble(viewer, ["shape"], ORDER)
             self.observe(self._row_chosen, "row")
             self.observe(self._vertex_chosen, "picked")

@@ -13,11 +13,11 @@ import numpy as np
 from qgeo_filters.report.glyphs import Glyph, ball, tube
 from qgeo_filters.report.render import render_mesh
 from qgeo_filters.report.view import View
-from qgeo_widgets.camera_view import CameraView
 from qgeo_widgets.fields import Field, Limits
-from qgeo_widgets.pane import Pane
+from qgeo_widgets.rendering.camera_view import CameraView
+from qgeo_widgets.rendering.pane import Pane
+from qgeo_widgets.rendering.viewer import Viewer
 from qgeo_widgets.snapshot_figure import Chart, Picture, figure_png, picture_size
-from qgeo_widgets.viewer import Viewer
 
 _BACKGROUND = (0.969, 0.969, 0.973)
 _FLAT = View(np.eye(3), np.array([0.0, 1.0, 0.0]))
@@ -88,7 +88,7 @@ def _glyphs(viewer: Viewer, pane: Pane) -> list[Glyph]:
     """Marks and lines of a pane as solids in the scene, as large as in the browser."""
     to_scene, radius = pane.placement.to_scene, viewer.mark_radius
     glyphs = [ball(to_scene(point), radius, color) for point, color in pane.marks.values()]
-    return glyphs + [tube(to_scene(curve), radius / 3, color) for curve, color in pane.lines.values()]
+    return glyphs + [tube(to_scene(line.points), radius / 3, line.color) for line in pane.lines.values()]
 
 
 def _flat(glyph: Glyph, view: CameraView) -> Glyph:

@@ -7,7 +7,7 @@ import numpy as np
 
 from qgeo_filters._typing import FloatArray
 from qgeo_widgets import controls
-from qgeo_widgets.moving_pane import TICKS
+from qgeo_widgets.rendering.motion import TICKS
 
 REPEAT, BACK_AND_FORTH, ONCE = "repeat", "back and forth", "once"
 LOOPS = (REPEAT, BACK_AND_FORTH, ONCE)

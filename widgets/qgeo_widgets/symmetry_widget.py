@@ -20,9 +20,9 @@ from qgeo_widgets.base import ShapeWidget
 from qgeo_widgets.coloring import ATTRIBUTE, EIGENFUNCTION
 from qgeo_widgets.contours import sign_changes
 from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field, region_field
-from qgeo_widgets.scene_placement import placement_of
+from qgeo_widgets.rendering.backends import new_viewer
+from qgeo_widgets.rendering.scene_placement import placement_of
 from qgeo_widgets.shape import Shape
-from qgeo_widgets.viewer import Viewer
 
 MIRRORED = "mirror images in one colour"
 SIDES = "sides"
@@ -59,7 +59,7 @@ class SymmetryWidget(ShapeWidget):
             self._symmetry = self._find() if symmetry is None else symmetry
             placement = placement_of(shape.surface)
             titles = [f"<b>shape</b>, {shape.surface.n_vertices} vertices", f"<b>{_VIEWS[1]}</b>"]
-            viewer = Viewer([shape.surface] * 2, [placement, placement.turned()], size, titles)
+            viewer = new_viewer([shape.surface] * 2, [placement, placement.turned()], size, titles)
             self._modes = self._make_modes()
             with self._long.during("Finding eigenfunctions"):
                 total = float(np.ptp(self._sum))

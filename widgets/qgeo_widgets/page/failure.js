@@ -4,11 +4,14 @@
 const drawsNothing = (sentence) => {
   document.getElementById('why').textContent = sentence;
   document.getElementById('no-drawing').hidden = false;
-  document.getElementById('controls').hidden = true;
-  document.getElementById('panes').hidden = true;
-  document.getElementById('player').hidden = true;
+  for (const id of ['controls', 'shapes', 'player']) document.getElementById(id).hidden = true;
 };
 
-window.addEventListener('error', (event) => {
-  drawsNothing(`This page could not draw the shapes, so this is a still picture. The error was: ${event.message}`);
-});
+const drawsNoShapes = (error) => {
+  const webgl = document.createElement('canvas').getContext('webgl2');
+  drawsNothing(webgl
+    ? `This page could not draw the shapes, so this is a still picture. The error was: ${error.name}: ${error.message}`
+    : 'This browser shows no WebGL, so this is a still picture.');
+};
+
+window.addEventListener('error', (event) => drawsNoShapes(event.error ?? {name: 'Error', message: event.message}));

@@ -1,16 +1,7 @@
-/* The time of shapes in motion: its slider, play and pause, speed, and what happens at the end. */
-'use strict';
+/* The time of shapes in motion on a page: its slider, play and pause, speed, and what happens at the end. */
 
-/* Positions part of the way from one frame to the next. */
-function blend(frames, before, part, positions) {
-  const size = positions.length;
-  const a = before * size;
-  const b = part > 0 ? a + size : a;
-  for (let i = 0; i < size; i++) positions[i] = (1 - part) * frames[a + i] + part * frames[b + i];
-}
-
-class Player {
-  /* `show(before, part)` draws what is part of the way from frame `before` to the next. */
+export class Player {
+  /* `show(time)` draws the shapes at a time. */
   constructor(motion, show) {
     const element = (id) => document.getElementById(id);
     this.times = motion.times;
@@ -43,10 +34,7 @@ class Player {
 
   goTo(time) {
     this.time = Math.min(Math.max(time, this.first), this.last);
-    let before = 0;
-    while (before < this.times.length - 2 && this.times[before + 1] <= this.time) before++;
-    const step = this.times[before + 1] - this.times[before];
-    this.show(before, step > 0 ? (this.time - this.times[before]) / step : 0);
+    this.show(this.time);
     this.slider.value = this.time;
     this.value.textContent = this.time.toFixed(this.digits);
   }

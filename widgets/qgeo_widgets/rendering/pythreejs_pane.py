@@ -1,26 +1,22 @@
-"""One picture of a surface in WebGL: mesh, colours, marks, lines and picking, on pythreejs objects."""
+"""A pane drawn by pythreejs objects, one canvas each."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pythreejs as three
 
-from qgeo_filters._typing import FloatArray, IndexArray
-from qgeo_filters.errors import ParameterError
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.surface import Surface
-from qgeo_widgets.display_mesh import DisplayMesh
-from qgeo_widgets.disposal import close_tree
-from qgeo_widgets.region_overlay import RegionOverlay
-from qgeo_widgets.scene_placement import ScenePlacement
-
-Color = tuple[float, float, float]
+from qgeo_widgets.rendering.disposal import close_tree
+from qgeo_widgets.rendering.motion import Motion
+from qgeo_widgets.rendering.pane import Pane, css_color
+from qgeo_widgets.rendering.pythreejs_regions import RegionOverlay
+from qgeo_widgets.rendering.scene_placement import ScenePlacement
 
 BACKGROUND = "#f7f7f8"
-CLAY = np.array([0.82, 0.83, 0.86], dtype=np.float32)
 # The mesh is pushed back a little, so that lines on it are not cut by it.
 MATERIAL = {
     "vertexColors": "VertexColors",
@@ -31,17 +27,15 @@ MATERIAL = {
 }
 # A click may move the camera by this part of its distance: about two pixels of the mouse, as hands do.
 _STILL = 0.03
-# Extent, in the scene, of a curve that runs from a point to itself but for rounding.
-_NO_LENGTH = 1e-6
 
 
-class Pane:
-    """A surface in a scene of its own; the camera and its controls are given, and may be shared.
+class PythreejsPane(Pane):
+    """A surface in a pythreejs scene; the camera and its controls are given, and may be shared.
 
     Parameters
     ----------
-    surface : Surface
-    placement : ScenePlacement
+    surface, placement, motion
+        See `Pane`.
     camera, orbit : pythreejs camera and OrbitControls
     size : (int, int)
         Of the canvas, in pixels.
@@ -57,13 +51,9 @@ class Pane:
         orbit: Any,
         size: tuple[int, int],
         mark_radius: float,
+        motion: Motion | None = None,
     ) -> None:
-        self.surface = surface
-        self.placement = placement
-        self.colors = np.tile(CLAY, (surface.n_vertices, 1))
-        self.marks: dict[str, tuple[FloatArray, Color]] = {}
-        self.lines: dict[str, tuple[FloatArray, Color]] = {}
-        self.display = self._make_display()
+        super().__init__(surface, placement, motion)
         shown = self.display.shown
         self._points, normals = self._first_look()
         self._radius = mark_radius
@@ -72,7 +62,6 @@ class Pane:
         self._balls: dict[str, Any] = {}
         self._strokes: dict[str, Any] = {}
         self._retired: list[Any] = []
-        self._on_pick: list[Callable[[int], None]] = []
         self._color_attribute = three.BufferAttribute(self.display.at_vertices(self.colors), normalized=False)
         mesh = self._make_mesh(
             {
@@ -82,7 +71,6 @@ class Pane:
                 "index": three.BufferAttribute(shown.faces.ravel().astype(np.uint32), normalized=False),
             }
         )
-        self.regions: tuple[IndexArray, FloatArray] | None = None
         self._scene = three.Scene(children=[*_lamps(), mesh], background=None)
         self._overlay = RegionOverlay(self._scene, self._points, normals, shown.faces)
         self.press = three.Picker(controlling=mesh, event="mousedown")
@@ -101,10 +89,6 @@ class Pane:
 
     # -- for subclasses -----------------------------------------------------------------------------
 
-    def _make_display(self) -> DisplayMesh:
-        """What is drawn of the surface."""
-        return DisplayMesh(self.surface)
-
     def _first_look(self) -> tuple[FloatArray, FloatArray]:
         """Positions and normals of the vertices that are drawn, in the scene."""
         shown = self.display.shown
@@ -113,85 +97,51 @@ class Pane:
     def _make_mesh(self, attributes: dict[str, Any]) -> Any:
         return three.Mesh(three.BufferGeometry(attributes=attributes), three.MeshLambertMaterial(**MATERIAL))
 
-    # -- for export ---------------------------------------------------------------------------------
+    # -- drawing ------------------------------------------------------------------------------------
 
-    @property
-    def page_mesh(self) -> DisplayMesh | None:
-        """What a page shows in place of the surface; None is the surface itself."""
-        return None
+    def _draw_colors(self) -> None:
+        # A new array: changes within one are not sent.
+        self._color_attribute.array = self.display.at_vertices(self.colors)
 
-    @property
-    def page_caption(self) -> str:
-        """What a reader of a page has to know of it."""
-        return ""
+    def _draw_regions(self) -> None:
+        if self.regions is None:
+            self._overlay.show(None, None)
+        else:
+            labels, palette = self.regions
+            self._overlay.show(self.display.at_vertices(labels), palette)
 
-    # -- colours ------------------------------------------------------------------------------------
-
-    def set_colors(self, colors: npt.ArrayLike) -> bool:
-        """Show these colours (n, 3) in [0, 1]; whether anything had to be sent."""
-        new = np.ascontiguousarray(colors, dtype=np.float32)
-        if new.shape != self.colors.shape:
-            raise ParameterError(f"colors have shape {new.shape}, expected {self.colors.shape}")
-        if np.array_equal(new, self.colors):
-            return False
-        self.colors = new
-        self._color_attribute.array = self.display.at_vertices(new)  # a new array: changes within one are not sent
-        return True
-
-    def set_regions(self, labels: IndexArray | None, palette: FloatArray | None = None) -> None:
-        """Sharpen the borders between regions, rows (n,) of the palette (k, 3), over their colours; None undoes it."""
-        self.regions = None if labels is None or palette is None else (labels, palette)
-        self._overlay.show(None if labels is None else self.display.at_vertices(labels), palette)
-
-    # -- marks and lines ----------------------------------------------------------------------------
-
-    def set_mark(self, slot: str, point: npt.ArrayLike | None, color: Color = (0.86, 0.11, 0.16)) -> None:
-        """Show a ball at a point (in the surface's coordinates), in place of the one in this slot; None hides it."""
-        if point is None:
-            self.marks.pop(slot, None)
-            if slot in self._balls:
-                self._balls[slot].visible = False
+    def _draw_mark(self, slot: str) -> None:
+        mark, ball = self.marks.get(slot), self._balls.get(slot)
+        if mark is None:
+            if ball is not None:
+                ball.visible = False
             return
-        self.marks[slot] = np.asarray(point, dtype=np.float64), color
-        place = tuple(self.placement.to_scene(point).tolist())
-        ball = self._balls.get(slot)
+        place, color = tuple(self.placement.to_scene(mark.point).tolist()), css_color(mark.color)
         if ball is None:
             ball = self._balls[slot] = three.Mesh(
-                three.SphereGeometry(self._radius, 20, 14), three.MeshLambertMaterial(color=_hex(color)), position=place
+                three.SphereGeometry(self._radius, 20, 14), three.MeshLambertMaterial(color=color), position=place
             )
             self._scene.add(ball)
             return
         ball.position = place
-        ball.material.color = _hex(color)
+        ball.material.color = color
         ball.visible = True
 
-    def set_line(
-        self, slot: str, points: npt.ArrayLike | None, color: Color = (0.86, 0.11, 0.16), width: float = 5.0
-    ) -> None:
-        """Show a curve through points (p, 3) of the surface, in place of the one in this slot; None removes it.
-
-        A curve without length, like the path from a point to itself, shows nothing.
-        """
-        self.lines.pop(slot, None)
+    def _draw_line(self, slot: str) -> None:
         old = self._strokes.pop(slot, None)
         if old is not None:
             self._scene.remove(old)
             # Closed with the pane: the front end may still be drawing it.
             self._retired.append(old)
-        curve = np.empty((0, 3)) if points is None else np.asarray(points, dtype=np.float64)
-        placed = self.placement.to_scene(curve)
-        if len(curve) < 2 or np.ptp(placed, axis=0).max() <= _NO_LENGTH:
+        line = self.lines.get(slot)
+        if line is None:
             return
-        self.lines[slot] = curve, color
-        geometry = three.LineGeometry(positions=placed.astype(np.float32))
-        stroke = self._strokes[slot] = three.Line2(geometry, three.LineMaterial(linewidth=width, color=_hex(color)))
+        geometry = three.LineGeometry(positions=self.placement.to_scene(line.points).astype(np.float32))
+        material = three.LineMaterial(linewidth=line.width, color=css_color(line.color))
+        stroke = self._strokes[slot] = three.Line2(geometry, material)
         self._scene.add(stroke)
 
     # -- picking ------------------------------------------------------------------------------------
-
-    def on_pick(self, callback: Callable[[int], None]) -> None:
-        """Call back with the vertex nearest to each point that is clicked; the end of a drag is no click."""
-        self._on_pick.append(callback)
 
     def _pressed(self, change: Any) -> None:
         self._pressed_from = self._camera.position
@@ -205,20 +155,14 @@ class Pane:
         return bool(slip > self._radius or turn > _STILL * np.linalg.norm(self._pressed_from))
 
     def _picked(self, change: Any) -> None:
-        if self.picker.faceIndex is None or self._dragged():
-            return
-        corners = np.asarray(self.picker.face, dtype=np.int64)
-        if not ((corners >= 0) & (corners < len(self._points))).all():
-            return
-        vertex = self.display.vertex_at(corners, self.placement.to_surface(self.picker.point))
-        for callback in self._on_pick:
-            callback(vertex)
+        if self.picker.faceIndex is not None and not self._dragged():
+            self.clicked(self.picker.face, self.picker.point)
 
     # -- the end ------------------------------------------------------------------------------------
 
     def close(self) -> None:
         """Free all that the pane holds, in the kernel and in the browser."""
-        self._on_pick.clear()
+        super().close()
         self._overlay.close()
         for item in (self.renderer, self._scene, *self._retired):
             close_tree(item)
@@ -240,7 +184,3 @@ def _lamps() -> list[Any]:
         three.DirectionalLight(position=[6, 1, -4], intensity=0.30),
         three.DirectionalLight(position=[-3, -4, -6], intensity=0.18),
     ]
-
-
-def _hex(color: Color) -> str:
-    return "#" + "".join(f"{round(255 * channel):02x}" for channel in color)

@@ -9,16 +9,12 @@ import numpy as np
 import pythreejs as three
 
 from qgeo_filters._typing import FloatArray
-from qgeo_widgets.display_mesh import DisplayMesh
-from qgeo_widgets.disposal import close_tree
-from qgeo_widgets.motion import Motion
-from qgeo_widgets.pane import MATERIAL, Pane, vectors
-
-#: Ticks of a clock from the first frame to the last; as many again lead back.
-TICKS = 100_000
+from qgeo_widgets.rendering.disposal import close_tree
+from qgeo_widgets.rendering.motion import TICKS, Motion
+from qgeo_widgets.rendering.pythreejs_pane import MATERIAL, PythreejsPane, vectors
 
 
-class MovingPane(Pane):
+class MovingPane(PythreejsPane):
     """A pane that shows an animation at any of its times.
 
     Frames are morph targets of three.js: it blends positions and normals of the two frames around a time, and few bytes
@@ -29,25 +25,22 @@ class MovingPane(Pane):
     ----------
     motion : Motion
     camera, orbit, size, mark_radius
-        See `Pane`.
+        See `PythreejsPane`.
     """
 
     def __init__(self, motion: Motion, camera: Any, orbit: Any, size: tuple[int, int], mark_radius: float) -> None:
-        self.motion = motion
+        self._moving = motion
         self._moving_mesh: Any = None
         self._action: Any = None
         self._links: list[Any] = []
-        super().__init__(motion.animation.surface, motion.placement, camera, orbit, size, mark_radius)
-
-    def _make_display(self) -> DisplayMesh:
-        return self.motion.display
+        super().__init__(motion.animation.surface, motion.placement, camera, orbit, size, mark_radius, motion)
 
     def _first_look(self) -> tuple[FloatArray, FloatArray]:
-        self._normals = self.motion.normals()
-        return self.motion.positions[0].astype(np.float64), self._normals[0].astype(np.float64)
+        self._normals = self._moving.normals()
+        return self._moving.positions[0].astype(np.float64), self._normals[0].astype(np.float64)
 
     def _make_mesh(self, attributes: dict[str, Any]) -> Any:
-        further = {"position": self.motion.positions[1:], "normal": self._normals[1:]}
+        further = {"position": self._moving.positions[1:], "normal": self._normals[1:]}
         del self._normals  # sent, and not needed again
         morphs = {name: [vectors(frame) for frame in frames] for name, frames in further.items()}
         moves = bool(morphs["position"])
@@ -57,14 +50,14 @@ class MovingPane(Pane):
         self._moving_mesh = three.Mesh(geometry, material, frustumCulled=False)
         if moves:
             self._action = self._make_action()
-        self.show(float(self.motion.times[0]))
+        self.show(float(self._moving.times[0]))
         return self._moving_mesh
 
     def _make_action(self) -> Any:
         """What sets the blend to that of its time, there and back."""
-        times = self.motion.times
+        times = self._moving.times
         there = TICKS * (times - times[0]) / (times[-1] - times[0])
-        shares = self.motion.shares(times)
+        shares = self._moving.shares(times)
         track = three.NumberKeyframeTrack(
             name=".morphTargetInfluences",
             times=np.concatenate([there, 2 * TICKS - there[-2::-1]]).astype(np.float32),
@@ -94,24 +87,7 @@ class MovingPane(Pane):
 
     def show(self, time: float) -> None:
         """The shape at a time."""
-        self._moving_mesh.morphTargetInfluences = self.motion.weights(time)
-
-    def pose(self, time: float) -> None:
-        """Make `surface` that at a time, for pictures without a browser."""
-        animation = self.motion.animation
-        self.surface = animation.surface.with_vertices(animation.at(time))
-
-    # -- for export, and the end --------------------------------------------------------------------
-
-    @property
-    def page_mesh(self) -> DisplayMesh:
-        """What a page shows: the same as the widget."""
-        return self.display
-
-    @property
-    def page_caption(self) -> str:
-        """What a reader of a page has to know of it."""
-        return self.motion.caption + self.display.caption
+        self._moving_mesh.morphTargetInfluences = self._moving.weights(time)
 
     def close(self) -> None:
         """Free all that the pane holds, in the kernel and in the browser."""

@@ -11,9 +11,11 @@ import numpy.typing as npt
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.animation.sequence import Animation
 from qgeo_filters.report.view import best_view
-from qgeo_widgets.display_mesh import DisplayMesh
-from qgeo_widgets.scene_placement import ScenePlacement, reach
+from qgeo_widgets.rendering.display_mesh import DisplayMesh
+from qgeo_widgets.rendering.scene_placement import ScenePlacement, reach
 
+#: Ticks of a clock from the first frame to the last; as many again lead back.
+TICKS = 100_000
 #: Bytes of the frames that a browser gets of one pane; a position and a normal in float32 take 24 a vertex.
 MOST_BYTES = 64_000_000
 #: Frames of one pane: each is two arrays of its own, which take time to arrive however small they are.

@@ -8,8 +8,8 @@ import numpy as np
 import pythreejs as three
 
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray
-from qgeo_widgets.disposal import close_tree
-from qgeo_widgets.region_borders import region_borders
+from qgeo_widgets.rendering.disposal import close_tree
+from qgeo_widgets.rendering.region_borders import region_borders
 
 # Before the mesh, which is pushed back by twice as much, and behind lines, which are not.
 _MATERIAL = {

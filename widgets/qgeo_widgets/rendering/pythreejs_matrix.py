@@ -1,4 +1,4 @@
-"""A matrix as a picture in WebGL whose rows answer to the mouse."""
+"""A matrix drawn by pythreejs."""
 
 from __future__ import annotations
 
@@ -10,23 +10,16 @@ import numpy as np
 import numpy.typing as npt
 import pythreejs as three
 
-from qgeo_widgets.disposal import close_tree
-from qgeo_widgets.pane import BACKGROUND
+from qgeo_widgets.rendering.disposal import close_tree
+from qgeo_widgets.rendering.matrix_pane import MatrixPane
+from qgeo_widgets.rendering.pythreejs_pane import BACKGROUND
 
 
-class MatrixPane:
-    """Picture of a square matrix, row 0 at the top; says which entry the mouse is over, and which is clicked.
+class PythreejsMatrix(MatrixPane):
+    """See `MatrixPane`."""
 
-    Parameters
-    ----------
-    image : (m, m, 3) uint8
-    size : int
-        Width and height of the canvas in pixels.
-    """
-
-    def __init__(self, image: npt.NDArray[np.uint8], size: int) -> None:
-        self.image = image
-        self.size = size
+    def _make(self) -> None:
+        image, size = self.image, self.size
         self._rows = len(image)
         self._retired: Any = None
         board = self._board = three.Mesh(three.PlaneBufferGeometry(2, 2), _picture(image))
@@ -47,23 +40,14 @@ class MatrixPane:
         self.widget = ipywidgets.Box([self.renderer], layout={"width": f"{size + 2}px"})
         self.widget.add_class("qgeo-pane")
 
-    def set_image(self, image: npt.NDArray[np.uint8]) -> None:
-        """Show another picture (m, m, 3) of the matrix."""
-        if np.array_equal(image, self.image):
-            return
+        self.hover.observe(lambda _: self._report(self.hover, self.hovered), names="point")
+        self.click.observe(lambda _: self._report(self.click, self.clicked), names="point")
+
+    def _draw_image(self) -> None:
         # Closed one change later: the front end may still be drawing it.
         self._close_retired()
         self._retired = self._board.material
-        self.image = image
-        self._board.material = _picture(image)
-
-    def on_hover(self, callback: Callable[[int, int], None]) -> None:
-        """Call back with row and column whenever the mouse is over another place."""
-        self.hover.observe(lambda _: self._report(self.hover, callback), names="point")
-
-    def on_click(self, callback: Callable[[int, int], None]) -> None:
-        """Call back with row and column when the picture is clicked."""
-        self.click.observe(lambda _: self._report(self.click, callback), names="point")
+        self._board.material = _picture(self.image)
 
     def show(self, row: int, column: int | None = None) -> None:
         """Draw a line along a row and one along a column."""

@@ -1,0 +1,1 @@
+"""Shapes in the browser: what the widgets ask for, and the two backends that draw it."""
