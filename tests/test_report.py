@@ -166,6 +166,27 @@ def test_both_sides_are_lit_alike() -> None:
     np.testing.assert_array_equal(front, flipped)
 
 
+def test_a_checkerboard_lies_in_its_coordinates_whatever_the_triangles() -> None:
+    vertices = np.array([[0.0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]])
+    faces = [[0, 1, 2], [0, 2, 3]]
+    white = np.ones((4, 3))
+    plain, checkered = (
+        render_mesh(vertices, faces, colors=white, cells=cells, view=FRONT, size=(200, 200)).astype(float)[..., 0]
+        for cells in (None, vertices)
+    )
+    rows, columns = (np.flatnonzero((plain < 250).any(axis=axis)) for axis in (1, 0))
+    top, left, side = rows[0], columns[0], len(rows)
+    centres = (np.arange(4) + 0.5) * side / 4
+    at = np.ix_((top + centres).astype(int), (left + centres).astype(int))
+    shares = checkered[at] / plain[at]
+    even = np.add.outer(np.arange(4), np.arange(4)) % 2 == 0
+    dark, light = sorted((even, ~even), key=lambda cells: shares[cells].mean())
+    np.testing.assert_allclose(shares[dark], 0.55, atol=0.02)
+    np.testing.assert_allclose(shares[light], 1.0, atol=0.02)
+    with pytest.raises(ValueError, match="cells have shape"):
+        render_mesh(vertices, faces, colors=white, cells=np.zeros((3, 2)))
+
+
 def test_labels_are_crisp_and_negative_ones_grey() -> None:
     vertices, faces = grid(10)
     labels = np.where(vertices[:, 0] < 0.45, 0, np.where(vertices[:, 0] > 0.75, -1, 1))

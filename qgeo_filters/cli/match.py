@@ -101,9 +101,9 @@ def match(
     import numpy as np
 
     from qgeo_filters.cli import match_outputs as outputs
-    from qgeo_filters.cli.hints_file import read_hints
     from qgeo_filters.cli.job import Job
     from qgeo_filters.filters import stages
+    from qgeo_filters.io.hint_files import read_hints
     from qgeo_filters.matching.hints import Hints
     from qgeo_filters.matching.map_files import arrays_of
     from qgeo_filters.matching.partial.partial_match import matched_as_part

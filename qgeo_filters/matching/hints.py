@@ -65,7 +65,7 @@ class Hints:
         if landmarks is None:
             pairs = np.zeros((0, 2), dtype=np.int64)
         else:
-            pairs = _without_repetitions(_vertex_pairs(landmarks, x, y))
+            pairs = _without_repetitions(vertex_pairs(landmarks, x, y))
         numbers = (np.zeros(0, dtype=np.int64),) * 2 if labels is None else _checked_labels(labels, x, y)
         return cls(frozen(pairs), (frozen(numbers[0]), frozen(numbers[1])))
 
@@ -82,7 +82,7 @@ class Hints:
         return common[common >= 0]
 
 
-def _vertex_pairs(landmarks: LandmarkPairs, x: Surface, y: Surface) -> IndexArray:
+def vertex_pairs(landmarks: LandmarkPairs, x: Surface, y: Surface) -> IndexArray:
     """Vertices (k, 2) of landmarks of any form."""
     if isinstance(landmarks, (tuple, list)) and len(landmarks) == 2:
         one, other = landmarks

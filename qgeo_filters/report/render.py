@@ -20,6 +20,7 @@ Image = npt.NDArray[np.uint8]
 
 CLAY = (0.82, 0.83, 0.86)
 _LINE_DARKNESS = 0.6
+_CELL_DARKNESS = 0.45
 
 
 def render_mesh(
@@ -29,6 +30,7 @@ def render_mesh(
     *,
     colors: npt.ArrayLike | None = None,
     labels: npt.ArrayLike | None = None,
+    cells: npt.ArrayLike | None = None,
     scale: ColorScale | None = None,
     isolines: npt.ArrayLike = (),
     glyphs: Sequence[Glyph] = (),
@@ -54,6 +56,9 @@ def render_mesh(
     labels : array-like of int, shape (n,), optional
         Rows of ``colors``: each point of a triangle has the colour of the label with the most weight among its
         corners, grey where that is negative.
+    cells : array-like, shape (n, d), optional
+        Coordinates in which a checkerboard of cells of size 1 lies: every other cell is darker. Interpolated over each
+        triangle, so that a triangle whose corners lie far apart there shows many cells.
     scale : ColorScale, optional
         Viridis over the finite values by default.
     isolines : array-like, shape (l,)
@@ -108,6 +113,10 @@ def render_mesh(
     elif palette is not None:
         albedo[own] = _palette_colors(palette, labels, surface, on_surface)
 
+    if cells is not None:
+        odd = _odd_cells(_checked_cells(cells, surface.n_vertices), surface, on_surface)
+        albedo[own] *= 1.0 - _CELL_DARKNESS * odd[:, None]
+
     normals = pixel_normals(np.concatenate([corner_normals(solid) for solid in solids]), fragments, view.axes)
     # One sample a pixel is enough for what is blurred over a dozen of them.
     darkening = crease_darkening(
@@ -144,6 +153,13 @@ def _palette_colors(
     return np.where(label[:, None] >= 0, palette[np.maximum(label, 0)], MISSING)
 
 
+def _odd_cells(cells: FloatArray, surface: Surface, fragments: Fragments) -> npt.NDArray[np.int64]:
+    """1 in every other cell of the checkerboard, 0 in the others and where there is none."""
+    place = _interpolated(cells, surface, fragments)
+    known = np.isfinite(place).all(axis=1)
+    return np.floor(np.where(known.reshape(-1, 1), place, 0.0)).sum(axis=1).astype(np.int64) % 2
+
+
 def _isoline_cover(
     values: FloatArray,
     levels: FloatArray,
@@ -176,6 +192,13 @@ def _checked_values(values: npt.ArrayLike | None, n_vertices: int) -> FloatArray
     array = np.asarray(values, dtype=np.float64)
     if array.shape != (n_vertices,):
         raise ParameterError(f"values have shape {array.shape}, but there are {n_vertices} vertices")
+    return array
+
+
+def _checked_cells(cells: npt.ArrayLike, n_vertices: int) -> FloatArray:
+    array = np.asarray(cells, dtype=np.float64)
+    if array.ndim != 2 or len(array) != n_vertices:
+        raise ParameterError(f"cells have shape {array.shape}, expected ({n_vertices}, d)")
     return array
 
 

@@ -15,9 +15,9 @@ from typer.testing import Result
 
 import qgeo_filters as qg
 from qgeo_filters.caching import cache
-from qgeo_filters.cli.hints_file import read_hints
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.filters import stages
+from qgeo_filters.io.hint_files import read_hints
 from qgeo_filters.matching import reflection_search
 from qgeo_filters.matching.hints import Hints
 

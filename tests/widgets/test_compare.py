@@ -14,7 +14,7 @@ from qgeo_filters import Surface, distances, lifted_metric, quasi_geodesic
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.filters import stages
 from qgeo_filters.matching.maps.orientation import orientation
-from qgeo_widgets import compare_widget as names
+from qgeo_widgets import compared_colors as names
 from qgeo_widgets.rendering.disposal import widgets_within
 
 

@@ -2,47 +2,44 @@
 
 from __future__ import annotations
 
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 import traitlets
 
-from qgeo_filters._typing import FloatArray
-from qgeo_filters.defaults import EIGENPAIRS
-from qgeo_filters.report.colors import position_colors
+from qgeo_filters.validation import checked_index, checked_indices
 from qgeo_widgets import controls
-from qgeo_widgets.coloring import ATTRIBUTE, EIGENFUNCTION
-from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field, region_field
-from qgeo_widgets.matching_widget import SIDES, MatchingWidget
+from qgeo_widgets.brush import Brush
+from qgeo_widgets.compared_colors import CARRIED, DISTANCE, DISTORTION, ERROR, PAINTED, ComparedColors
+from qgeo_widgets.fields import ScalarField
+from qgeo_widgets.matching_widget import SIDES
 from qgeo_widgets.rendering.backends import new_viewer
 from qgeo_widgets.rendering.scene_placement import aligned_placement, placement_of
 from qgeo_widgets.shape import Shape
-from qgeo_widgets.vertex_map import VertexMap
+from qgeo_widgets.worst_places import WorstPlaces
 
 if TYPE_CHECKING:
     from qgeo_filters.matching.match_result import MatchResult
 
-CARRIED = "colours carried from X to Y"
-REGIONS = "matched regions"
-DISTORTION = "distortion of distances"
-DISTANCE = "distance from the picked point"
-ERROR = "error against the truth"
 _COLORS = {"first": (0.86, 0.11, 0.16), "second": (0.98, 0.70, 0.10)}
 
 
-class CompareWidget(MatchingWidget):
+class CompareWidget(ComparedColors):
     """Two linked views and the map between them; see `qgeo_widgets.compare`, and `MatchingWidget` for more attributes.
 
     Attributes
     ----------
     follow : bool
         Whether a click also shows the distances from it.
+    brush : bool
+        Whether the mouse paints a region, and does not turn the shapes.
     """
 
     _page_title = "Two shapes and the map between them"
     follow = traitlets.Bool(True)
+    brush = traitlets.Bool(False)
 
     def __init__(
         self,
@@ -58,9 +55,8 @@ class CompareWidget(MatchingWidget):
         super().__init__()
         with self._guarded():
             self._set_up((Shape(x, "X", curvature_weight), Shape(y, "Y", curvature_weight)), p2p, progress)
-            one, other = surfaces = [shape.surface for shape in self._shapes]
-            self._truth = None if truth is None else VertexMap(one, other, truth, "truth")
-            self._errors_of: dict[bool, FloatArray] = {}
+            surfaces = [shape.surface for shape in self._shapes]
+            self._set_truth(truth)
             placement_x = placement_of(surfaces[0])
             seen = surfaces[1].vertices[self._map.forward]
             placement_y = aligned_placement(surfaces[1], seen, placement_x.to_scene(surfaces[0].vertices))
@@ -71,7 +67,15 @@ class CompareWidget(MatchingWidget):
             traitlets.link((self, "follow"), (follow, "value"))
             viewer.on_pick(self._clicked)
             beside, below = self._map_controls()
-            self._assemble(viewer, ["X", "Y"], CARRIED, beside=[follow, *beside], below=below)
+            brush = controls.tick("paint", False, "draw a region on one of the shapes, and see it on the other")
+            traitlets.link((self, "brush"), (brush, "value"))
+            wipe = controls.button("wipe", "nothing is painted any more")
+            wipe.on_click(lambda _: self.set_trait("painted", []))
+            self._worst = WorstPlaces(self.look_at)
+            controls_beside = [follow, *beside, brush, wipe]
+            self._assemble(viewer, ["X", "Y"], CARRIED, beside=controls_beside, below=[self._worst, *below])
+            self.observe(lambda change: self._open_viewer.set_brush(change["new"]), "brush")
+            self.observe(lambda _: self._painted_changed(), "painted")
             self.observe(lambda _: self._show_picks(), ["picked", "second"])
             self._show_picks()
             self._show_orientation()
@@ -94,9 +98,55 @@ class CompareWidget(MatchingWidget):
         self._show_picks()
         self._refresh(new_mode=True)
 
+    def _paint(self, new_mode: bool) -> None:
+        super()._paint(new_mode)
+        shape, field = self._shapes[0], self._field
+        values = field.values[0] if self.mode in (ERROR, DISTORTION) and isinstance(field, ScalarField) else None
+        self._worst.show(values, shape.surface.vertices, shape.unit)
+
+    def look_at(self, vertex: int) -> None:
+        """Pick a vertex of X, and turn the shapes so that it faces the camera."""
+        checked_index(vertex, self._shapes[0].surface.n_vertices, "vertex")
+        self.set_trait("second", None)
+        self.picked = ("x", vertex)
+        viewer = self._open_viewer
+        facing = viewer.panes[0].placement.axes @ self._shapes[0].surface.vertex_normals[vertex]
+        upright = np.clip(facing, [-1.0, -0.9, -1.0], [1.0, 0.9, 1.0])  # not along the axis that it turns about
+        if np.linalg.norm(upright) > 0:
+            self.camera = tuple((np.linalg.norm(viewer.home) * upright / np.linalg.norm(upright)).tolist())
+
+    # -- painting -----------------------------------------------------------------------------------
+
+    @traitlets.validate("painted")
+    def _valid_region(self, proposal: Any) -> list[int]:
+        vertices: list[int] = proposal["value"]
+        if self._viewer is not None:
+            checked_indices(vertices, self._shapes[0].surface.n_vertices, "painted")
+        return sorted(set(vertices))
+
+    @cached_property
+    def _brushes(self) -> tuple[Brush, Brush]:
+        one, other = self._shapes
+        return Brush(one.surface), Brush(other.surface)
+
+    def _dab(self, side: int, vertex: int) -> None:
+        touched = self._brushes[side].dab(vertex)
+        if side == 1:
+            touched = np.flatnonzero(np.isin(self._map.forward, touched))
+        self.painted = [*self.painted, *touched.tolist()]
+
+    def _painted_changed(self) -> None:
+        if self.painted and self.mode != PAINTED:
+            self.mode = PAINTED
+        else:
+            self._refresh()
+
     # -- picking ------------------------------------------------------------------------------------
 
     def _clicked(self, pane: int, vertex: int) -> None:
+        if self.brush:
+            self._dab(pane, vertex)
+            return
         pick = SIDES[pane], vertex
         if self.picked is None or self.second is not None:
             self.set_trait("second", None)
@@ -151,88 +201,8 @@ class CompareWidget(MatchingWidget):
             lengths.append(f"{path.length / shape.unit:.4f} √area")
         return lengths
 
-    # -- colours ------------------------------------------------------------------------------------
-
-    def _make_modes(self) -> dict[str, Any]:
-        modes: dict[str, Any] = {CARRIED: self._carried_field, EIGENFUNCTION: self._eigen_field}
-        found = self._correspondence
-        if found is not None:
-            modes |= {REGIONS: partial(self._region_field, found), DISTORTION: partial(self._distortion_field, found)}
-        modes[DISTANCE] = self._distance_field
-        if self._truth is not None:
-            modes[ERROR] = partial(self._error_field, self._truth)
-        for name in {**self._shapes[0].surface.attributes, **self._shapes[1].surface.attributes}:
-            modes[ATTRIBUTE + name] = partial(self._attribute_field, name)
-        return modes
-
-    def _missing(self, mode: str) -> str:
-        absent = mode == DISTANCE and self.picked is None
-        return "Click a point on one of the shapes: the distances from it are then shown." if absent else ""
-
-    def _takes_long(self, mode: str) -> bool:
-        return mode == EIGENFUNCTION and any(shape.spectrum_takes_long for shape in self._shapes)
-
-    def _columns(self, mode: str) -> int:
-        if mode == EIGENFUNCTION:
-            return min(EIGENPAIRS, *(shape.surface.n_vertices for shape in self._shapes))
-        if mode.startswith(ATTRIBUTE):
-            return max(shape.columns(mode.removeprefix(ATTRIBUTE)) for shape in self._shapes)
-        return 1
-
-    @cached_property
-    def _position_colors(self) -> FloatArray:
-        surface = self._shapes[0].surface
-        return position_colors(surface.vertices, self._open_viewer.panes[0].placement.axes)
-
-    def _carried_field(self, k: int) -> Field:
-        colors = self._position_colors
-        label = "each point of Y has the colour of its partner on X; on X the colour tells the place"
-        return ColorField([colors, colors[self._map.backward]], label)
-
-    def _region_field(self, found: MatchResult, k: int) -> Field:
-        return region_field([found.regions_x, found.regions_y], "regions of one colour belong together")
-
-    def _distortion_field(self, found: MatchResult, k: int) -> Field:
-        label = "mean |d(p, q) − d(Tp, Tq)| of the map that was found / √area"
-        return ScalarField([found.distortion, found.distortion[self._given.backward]], label)
-
-    def _eigen_field(self, k: int) -> Field:
-        on_x, on_y = (shape.eigenfunction(k) for shape in self._shapes)
-        # An eigenfunction has no sign of its own: that of Y is turned to agree with X through the map.
-        agreement = float((self._shapes[0].surface.vertex_areas * on_x) @ on_y[self._map.forward])
-        return ScalarField([on_x, on_y if agreement >= 0 else -on_y], f"φ{_small(k)} √A (no unit)", True)
-
-    def _distance_field(self, k: int) -> Field:
-        ends = self.pairs[0]
-        fields = [shape.distances_from(v) for shape, v in zip(self._shapes, ends, strict=True)]
-        return ScalarField(fields, f"distance from vertex {ends[0]} of X and {ends[1]} of Y / √area")
-
-    def _errors(self, truth: VertexMap) -> FloatArray:
-        from qgeo_filters.evaluation import geodesic_error
-
-        if self.flip not in self._errors_of:
-            y = self._shapes[1].surface
-            self._errors_of[self.flip] = geodesic_error(self._map.forward, truth.forward, y)
-        return self._errors_of[self.flip]
-
-    def _error_field(self, truth: VertexMap, k: int) -> Field:
-        errors = self._errors(truth)
-        label = f"geodesic error on Y / √area (mean {errors.mean():.4f}, largest {errors.max():.4f})"
-        return ScalarField([errors, errors[self._map.backward]], label)
-
-    def _attribute_field(self, name: str, k: int) -> Field:
-        values = []
-        for shape in self._shapes:
-            absent = not shape.columns(name)
-            values.append(np.full(shape.surface.n_vertices, np.nan) if absent else shape.attribute(name, k))
-        return number_field(values, name)
-
     def _page_extras(self) -> dict[str, Any]:
         return {
             "partners": [self._map.forward, self._map.backward],
             "hint": "Click a point on either shape: its partner is marked on the other.",
         }
-
-
-def _small(number: int) -> str:
-    return "".join("₀₁₂₃₄₅₆₇₈₉"[int(digit)] for digit in str(number))

@@ -89,6 +89,35 @@ class ColorField:
 
 
 @dataclass(frozen=True, eq=False)
+class CheckerField:
+    """A colour at each vertex of each pane, and a checkerboard over it.
+
+    Attributes
+    ----------
+    rgb : sequence of (n, 3) float64
+    cells : sequence of (n, 3) float64
+        Coordinates in which the cells have size 1, one array for each pane.
+    label : str
+        A sentence.
+    """
+
+    rgb: Sequence[FloatArray]
+    cells: Sequence[FloatArray]
+    label: str
+    key: Sequence[tuple[FloatArray, str]] = ()
+
+    bounds: None = None
+
+    def colors(self, limits: Limits | None) -> list[FloatArray]:
+        """The colours below the checkerboard."""
+        return list(self.rgb)
+
+    def legend(self, limits: Limits | None) -> str:
+        """The sentence as HTML."""
+        return swatches(self.label, self.key)
+
+
+@dataclass(frozen=True, eq=False)
 class RegionField:
     """Numbered regions of each pane, one colour each, with borders that cut through triangles.
 
@@ -127,7 +156,7 @@ class RegionField:
         return swatches(self.label, self.key)
 
 
-Field = ScalarField | ColorField | RegionField
+Field = ScalarField | ColorField | CheckerField | RegionField
 
 
 def region_field(
@@ -135,6 +164,7 @@ def region_field(
 ) -> RegionField:
     """Field of numbered regions, equal numbers in equal colours; grey where the number is negative."""
     count = int(max(int(numbers.max(initial=-1)) for numbers in labels)) + 1
+    count = max(count, len(names), 1)
     palette = np.vstack([distinct(count), np.full((1, 3), 0.62)])
     loose = any((numbers < 0).any() for numbers in labels)
     names = list(names) or [str(k) for k in range(count)]

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Callable, Sequence
 from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import ipywidgets
@@ -27,6 +30,11 @@ def landmark_color(number: int) -> Color:
     return _COLORS[number % len(_COLORS)]
 
 
+def landmark_table(pairs: Sequence[tuple[int, int]]) -> str:
+    """CSV of pairs of vertices, with a first line of names."""
+    return "".join(f"{i},{j}\n" for i, j in [("x_vertex", "y_vertex"), *pairs])
+
+
 class LandmarkList(ipywidgets.VBox):
     """A row for each landmark, with a button that removes it.
 
@@ -41,15 +49,32 @@ class LandmarkList(ipywidgets.VBox):
     landmarks: traitlets.List[tuple[int, int]] = traitlets.List(traitlets.Tuple(traitlets.Int(), traitlets.Int()))
     busy = traitlets.Bool(False)
 
-    def __init__(self, use: Callable[[], None], match_again: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        use: Callable[[], None],
+        match_again: Callable[[], None],
+        load: Callable[[Path, Sequence[str]], None],
+    ) -> None:
         self.use = controls.button("use as landmark", "the point picked on X belongs where the one picked on Y is")
         self.again = controls.button("match again", "seek the map with these landmarks")
         self.use.on_click(lambda _: use())
         self.again.on_click(lambda _: match_again())
+        self._load = load
+        self.files = ipywidgets.FileUpload(
+            description="load",
+            multiple=True,
+            tooltip="a CSV of pairs of vertices, or two files of landmarks: on X, and on Y",
+            layout={"width": "auto"},
+        )
+        self.files.observe(self._uploaded, "value")
+        self._save = ipywidgets.HTML()
         self._state = ipywidgets.HTML()
         self._rows = ipywidgets.VBox(layout={"overflow": "visible"})
         self._errors: dict[tuple[int, int], float] = {}
-        super().__init__([controls.row(self.use, self.again, self._state), self._rows], layout={"overflow": "visible"})
+        super().__init__(
+            [controls.row(self.use, self.again, self.files, self._save, self._state), self._rows],
+            layout={"overflow": "visible"},
+        )
 
     def report(self, errors: Sequence[float]) -> None:
         """Show beside each landmark how far from it its image is, in sqrt(area)."""
@@ -70,7 +95,22 @@ class LandmarkList(ipywidgets.VBox):
     def _remove(self, pair: tuple[int, int], _: Any) -> None:
         self.landmarks = [other for other in self.landmarks if other != pair]
 
+    def _uploaded(self, change: Any) -> None:
+        """Files were chosen in the browser: X first, in the order of their names."""
+        uploads = sorted(change["new"], key=lambda upload: str(upload["name"]))
+        if not uploads:
+            return
+        with TemporaryDirectory() as folder:
+            names = [f"{number}-{Path(str(upload['name'])).name}" for number, upload in enumerate(uploads)]
+            for name, upload in zip(names, uploads, strict=True):
+                (Path(folder) / name).write_bytes(bytes(upload["content"]))
+            self._load(Path(folder), names)
+        self.files.value = ()
+
     def _show(self) -> None:
+        data = base64.b64encode(landmark_table(self.landmarks).encode()).decode()
+        link = f'<a download="landmarks.csv" href="data:text/csv;base64,{data}">save landmarks.csv</a>'
+        self._save.value = link if self.landmarks else ""
         old, self._rows.children = self._rows.children, [self._row(*entry) for entry in enumerate(self.landmarks)]
         for row in old:
             close_tree(row)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import ipywidgets
@@ -11,14 +13,17 @@ import numpy as np
 import numpy.typing as npt
 import traitlets
 
+from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import ParameterError, QgeoError
 from qgeo_filters.filters import stages
+from qgeo_filters.io.hint_files import read_hints
+from qgeo_filters.matching.hints import vertex_pairs
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_index
 from qgeo_widgets import controls
 from qgeo_widgets.base import ShapeWidget
-from qgeo_widgets.landmark_list import LandmarkList, landmark_color
+from qgeo_widgets.landmark_list import LandmarkList, landmark_color, landmark_table
 from qgeo_widgets.shape import Shape
 from qgeo_widgets.vertex_map import VertexMap
 
@@ -61,7 +66,7 @@ class MatchingWidget(ShapeWidget):
         flip.observe(lambda change: self._ticked(change["new"]), "value")
         self.observe(lambda _: flip.set_trait("value", self.flip), "flip")
         self._orientation = ipywidgets.HTML()
-        self._list = LandmarkList(self.use_as_landmark, self._match_in_background)
+        self._list = LandmarkList(self.use_as_landmark, self._match_in_background, self._load_uploaded)
         traitlets.link((self, "landmarks"), (self._list, "landmarks"))
         self.observe(lambda _: self._flip(), "flip")
         self.observe(self._show_landmarks, "landmarks")
@@ -99,6 +104,29 @@ class MatchingWidget(ShapeWidget):
         with self._guarded():
             self._take(self._found(False))
 
+    def save_landmarks(self, path: str | PathLike[str]) -> None:
+        """Write the landmarks as CSV, a vertex of X and one of Y a line: what `load_landmarks` and commands read."""
+        with atomic_write(path) as file:
+            file.write(landmark_table(self.landmarks).encode())
+
+    def load_landmarks(self, *paths: str | PathLike[str]) -> None:
+        """Take landmarks from files, in place of those that are there.
+
+        Parameters
+        ----------
+        paths : path
+            One file of pairs of vertices (CSV), or two of landmarks, on X and on Y (``.mrk.json``, ``.fcsv`` and
+            whatever `qgeo_filters.read_landmarks` knows), of which those of equal names belong together.
+
+        Raises
+        ------
+        ParameterError, MeshError
+            What is wrong with the files; the landmarks are those from before.
+        """
+        found = read_hints([Path(path) for path in paths])
+        pairs = vertex_pairs(found, *(shape.surface for shape in self._shapes))
+        self.landmarks = [(int(i), int(j)) for i, j in pairs]
+
     # -- inside -------------------------------------------------------------------------------------
 
     def _found(self, progress: bool) -> MatchResult:
@@ -130,6 +158,11 @@ class MatchingWidget(ShapeWidget):
             self.match_again()
         finally:
             self._list.busy = False
+
+    def _load_uploaded(self, folder: Path, names: Sequence[str]) -> None:
+        """Take the landmarks of files that were chosen in the browser, and put into a folder."""
+        with self._guarded():
+            self.load_landmarks(*(folder / name for name in names))
 
     def _ticked(self, mirrored: bool) -> None:
         """Show the twin, or the map; in the background where the symmetry is still to be found."""

@@ -79,7 +79,7 @@ def data_url(png: bytes) -> str:
 def _paint(pane: Pane) -> dict[str, Any]:
     """Colours of a pane as `render_mesh` takes them."""
     if pane.regions is None:
-        return {"colors": pane.colors}
+        return {"colors": pane.colors, "cells": pane.cells}
     labels, palette = pane.regions
     return {"labels": labels, "colors": palette}
 

@@ -58,6 +58,7 @@ def paint_data(pane: Pane) -> dict[str, Any]:
         "values": None if pane.values is None else at(np.asarray(pane.values)).astype(np.float32),
         "names": list(pane.names) or None,
         "borders": None if pane.regions is None else border_data(pane, *pane.regions),
+        "cells": None if pane.cells is None else at(pane.cells).astype(np.float32),
     }
 
 

@@ -58,6 +58,8 @@ class Pane:
     values : (n,) float64 or int64, or None
         What the colours stand for, said of the vertex under the mouse; numbers of regions where there are names.
     names : tuple of str
+    cells : (n, 3) float64 or None
+        Coordinates in which a checkerboard of cells of size 1 lies over the colours.
     marks, lines : dict of str to Mark and to Line
         By slot.
     """
@@ -71,6 +73,7 @@ class Pane:
         self.regions: tuple[IndexArray, FloatArray] | None = None
         self.values: FloatArray | IndexArray | None = None
         self.names: tuple[str, ...] = ()
+        self.cells: FloatArray | None = None
         self.marks: dict[str, Mark] = {}
         self.lines: dict[str, Line] = {}
         self._on_pick: list[Callable[[int], None]] = []
@@ -104,6 +107,13 @@ class Pane:
         """What the colours stand for, (n,), and the names of regions where the values are their numbers."""
         self.values, self.names = values, tuple(names)
         self._draw_values()
+
+    def set_cells(self, cells: FloatArray | None) -> None:
+        """Lay a checkerboard over the colours: its cells have size 1 in these coordinates (n, 3); None takes it off."""
+        if cells is None and self.cells is None:
+            return
+        self.cells = cells
+        self._draw_cells()
 
     # -- marks and lines ----------------------------------------------------------------------------
 
@@ -162,6 +172,9 @@ class Pane:
 
     def _draw_values(self) -> None:
         """Say `values` under the mouse."""
+
+    def _draw_cells(self) -> None:
+        """Show the checkerboard of `cells`."""
 
     def _draw_mark(self, slot: str) -> None:
         """Show the mark in a slot, or that there is none."""

@@ -100,8 +100,16 @@ class PythreejsPane(Pane):
     # -- drawing ------------------------------------------------------------------------------------
 
     def _draw_colors(self) -> None:
+        shown = self.colors
+        if self.cells is not None:
+            # A material of pythreejs knows no cells: the vertices alone are darker and lighter.
+            odd = np.floor(self.cells).sum(axis=1) % 2 == 1
+            shown = np.where(odd[:, None], np.float32(0.55) * shown, shown)
         # A new array: changes within one are not sent.
-        self._color_attribute.array = self.display.at_vertices(self.colors)
+        self._color_attribute.array = self.display.at_vertices(shown)
+
+    def _draw_cells(self) -> None:
+        self._draw_colors()
 
     def _draw_regions(self) -> None:
         if self.regions is None:

@@ -79,6 +79,9 @@ class PythreejsViewer(Viewer):
         self._camera.zoom = 1.0
         self.camera = self.home
 
+    def set_brush(self, on: bool) -> None:
+        """Controls of pythreejs turn whatever is dragged: clicks alone paint, and they are picks anyway."""
+
     def show_stills(self, urls: Sequence[str]) -> None:
         """Pictures of the panes, for where the browser has no WebGL."""
         for fallback, url in zip(self._fallbacks, urls, strict=True):

@@ -39,9 +39,8 @@ class Borders:
 
     def at_points(self, values: npt.ArrayLike) -> FloatArray:
         """Values (n, d) of vertices at the points of the pieces, shape (3 p, d)."""
-        return np.einsum("pqc,pcd->pqd", self.weights, np.asarray(values)[self.corners]).reshape(
-            3 * len(self.labels), -1
-        )
+        given = np.asarray(values)
+        return np.einsum("pqc,pcd->pqd", self.weights, given[self.corners]).reshape(-1, given.shape[1])
 
 
 def region_borders(faces: IntArray, labels: npt.ArrayLike) -> Borders:

@@ -131,6 +131,10 @@ class Viewer(ABC):
         """Put a widget after the pictures, or before them."""
         self.widget.children = (widget, *self.widget.children) if first else (*self.widget.children, widget)
 
+    @abstractmethod
+    def set_brush(self, on: bool) -> None:
+        """Whether a press on a shape paints, and does not turn it: each point that is painted is a pick."""
+
     @contextmanager
     def together(self) -> Iterator[None]:
         """What is changed meanwhile is sent at once."""

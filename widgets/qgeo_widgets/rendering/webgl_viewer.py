@@ -41,6 +41,9 @@ class WebglPane(Pane):
     def _draw_values(self) -> None:
         self._changed("paints")
 
+    def _draw_cells(self) -> None:
+        self._changed("paints")
+
     def _draw_mark(self, slot: str) -> None:
         self._changed("marks")
 
@@ -125,6 +128,10 @@ class WebglViewer(Viewer):
         """Call back when a reader of such pictures asks for new ones."""
         self._on_redraw.append(callback)
 
+    def set_brush(self, on: bool) -> None:
+        """Whether a press on a shape paints, and does not turn it."""
+        self._scene.brush = on
+
     # -- motion -------------------------------------------------------------------------------------
 
     def follow(self, clock: ipywidgets.Widget) -> None:
@@ -173,7 +180,7 @@ class WebglViewer(Viewer):
 
     def _told(self, _: Any, content: dict[str, Any], buffers: Any) -> None:
         """A message of the view."""
-        if content.get("kind") == "pick" and 0 <= content["pane"] < len(self.panes):
+        if content.get("kind") in ("pick", "paint") and 0 <= content["pane"] < len(self.panes):
             self.panes[content["pane"]].clicked(content["corners"], content["point"])
         elif content.get("kind") == "redraw":
             for callback in self._on_redraw:

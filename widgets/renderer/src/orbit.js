@@ -50,15 +50,18 @@ export class Orbit {
     this.changed();
   }
 
-  /* Listen to an element; `clicked(event)` is called for a press that was not a drag. */
-  connect(element, clicked) {
+  /* Listen to an element; `clicked(event)` is called for a press that was not a drag. Where `paints(event)` is true of
+     a press, it is called for every move, too, and nothing turns. */
+  connect(element, clicked, paints = () => false) {
     const pointers = new Map();
     let travelled = 0;
+    let painting = false;
     element.addEventListener('contextmenu', (event) => event.preventDefault());
     element.addEventListener('pointerdown', (event) => {
       element.setPointerCapture(event.pointerId);
       pointers.set(event.pointerId, event);
       if (pointers.size === 1) travelled = 0;
+      painting = pointers.size === 1 && event.button === 0 && paints(event);
     });
     element.addEventListener('pointermove', (event) => {
       const before = pointers.get(event.pointerId);
@@ -66,12 +69,13 @@ export class Orbit {
       const dx = event.clientX - before.clientX;
       const dy = event.clientY - before.clientY;
       travelled += Math.hypot(dx, dy);
-      if (travelled > STILL || pointers.size > 1) this.#dragged(event, before, dx, dy, pointers, element);
+      if (painting) paints(event);
+      else if (travelled > STILL || pointers.size > 1) this.#dragged(event, before, dx, dy, pointers, element);
       pointers.set(event.pointerId, event);
     });
     const released = (event) => {
       const own = pointers.delete(event.pointerId);
-      if (own && event.type === 'pointerup' && event.button === 0 && travelled <= STILL) clicked(event);
+      if (own && event.type === 'pointerup' && event.button === 0 && !painting && travelled <= STILL) clicked(event);
     };
     element.addEventListener('pointerup', released);
     element.addEventListener('pointercancel', released);

@@ -118,7 +118,7 @@ class Page {
 
 /* Colours, and what is said of a vertex, from an index into a table of colours or from the colours themselves. */
 function painted(pane, {scale, names}) {
-  if (!pane.lut) return {rgb: pane.rgb, values: pane.regions && Float32Array.from(pane.regions), names, borders: pane.borders};
+  if (!pane.lut) return {rgb: pane.rgb, values: pane.regions && Float32Array.from(pane.regions), names, borders: pane.borders, cells: pane.cells};
   const lut = typed(pane.lut, Uint8Array);
   const index = typed(pane.index, Uint8Array);
   const last = lut.length / 3 - 1;  /* for what is not finite */

@@ -29,6 +29,8 @@ export class Pane {
     this.geometry.computeVertexNormals();
     /* The mesh is pushed back a little, so that lines on it are not cut by it. */
     this.material = surfaceMaterial(2);
+    this.checkered = {value: 0};
+    checker(this.material, this.checkered);
     this.mesh = new Mesh(this.geometry, this.material);
     this.edges = new Mesh(this.geometry, new MeshBasicMaterial({
       wireframe: true, color: 0x20242c, transparent: true, opacity: 0.35,
@@ -52,7 +54,7 @@ export class Pane {
   /* -- colours ------------------------------------------------------------------------------------------------ */
 
   /* `rgb` (n, 3) in bytes; `values` (n,) and `names` are what is said of a vertex under the mouse. */
-  paint({rgb, values, names, borders, rounded}) {
+  paint({rgb, values, names, borders, cells, rounded}) {
     const color = this.geometry.getAttribute('color');
     color.array.set(typed(rgb, Uint8Array));
     color.needsUpdate = true;
@@ -60,6 +62,8 @@ export class Pane {
     this.names = names ?? null;
     this.rounded = rounded ?? false;  /* values in as many steps as there are colours */
     this.sharpen(borders ?? null);
+    if (cells) this.geometry.setAttribute('cells', new BufferAttribute(typed(cells, Float32Array), 3));
+    this.checkered.value = cells ? 1 : 0;
   }
 
   /* Cover the triangles in which regions meet by pieces of one colour each. */
@@ -189,6 +193,24 @@ function surfaceMaterial(offset) {
     vertexColors: true, side: DoubleSide,
     polygonOffset: true, polygonOffsetFactor: offset, polygonOffsetUnits: offset,
   });
+}
+
+/* A checkerboard over the colours of a material, where the geometry has coordinates `cells` and the uniform is 1. */
+function checker(material, checkered) {
+  material.onBeforeCompile = (shader) => {
+    shader.uniforms.checkered = checkered;
+    shader.vertexShader = shader.vertexShader
+      .replace('void main() {', 'attribute vec3 cells;\nvarying vec3 vCells;\nvoid main() {\n  vCells = cells;');
+    shader.fragmentShader = shader.fragmentShader
+      .replace('void main() {', 'uniform float checkered;\nvarying vec3 vCells;\nvoid main() {')
+      .replace('#include <color_fragment>', `#include <color_fragment>
+        if (checkered > 0.5) {
+          vec3 wave = sin(3.14159265 * vCells);
+          float side = wave.x * wave.y * wave.z;
+          float soft = fwidth(side);
+          diffuseColor.rgb *= 1.0 - 0.45 * smoothstep(soft, -soft, side);
+        }`);
+  };
 }
 
 /* Points of a curve without those that repeat the one before. */

@@ -42,6 +42,7 @@ export class View {
     this.panel = new LookPanel(this);
     root.append(this.canvas, this.grid, this.panel.element, this.tip);
     this.look = this.panel.state;
+    this.brush = false;  /* whether a press on a shape paints, and does not turn it */
     this.observer = new ResizeObserver(() => this.#render());
     this.observer.observe(root);
     for (const each of this.windows) this.observer.observe(each);
@@ -178,7 +179,7 @@ export class View {
     this.orbit.connect(window, (event) => {
       const hit = this.#hit(number, event);
       if (hit) this.handlers.pick?.(number, hit);
-    });
+    }, (event) => this.brush && this.#paints(number, event));
     window.addEventListener('pointermove', (event) => this.#hover(number, event));
     window.addEventListener('pointerleave', () => { this.tip.hidden = true; });
     return window;
@@ -188,6 +189,13 @@ export class View {
     const box = this.windows[number].getBoundingClientRect();
     const x = 2 * (event.clientX - box.left) / box.width - 1;
     return this.panes[number].hit(x, 1 - 2 * (event.clientY - box.top) / box.height, this.camera);
+  }
+
+  /* Whether the brush is on the shape; what it touches is told. */
+  #paints(number, event) {
+    const hit = this.#hit(number, event);
+    if (hit) this.handlers.paint?.(number, hit);
+    return hit !== null;
   }
 
   /* Value, vertex and region under the mouse, looked up once a frame at most. */

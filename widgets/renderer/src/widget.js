@@ -17,6 +17,7 @@ export function render({model, el}) {
   follow('paints', (paints) => paints.forEach((paint, i) => view.paint(i, paint)));
   follow('marks', (marks) => marks.forEach((each, i) => view.setMarks(i, each)));
   follow('lines', (lines) => lines.forEach((each, i) => view.setLines(i, each)));
+  follow('brush', (brush) => { view.brush = brush; });
   follow('look', (look) => view.setLook(look));
   follow('tick', (tick) => view.showTime(timeAt(tick, model.get('ticks'), view.frames)));
   follow('camera', (camera) => {
@@ -41,6 +42,7 @@ function started(model, el) {
   try {
     return new View(el, model.get('setup'), {
       pick: (pane, {corners, point}) => model.send({kind: 'pick', pane, corners, point}),
+      paint: (pane, {corners, point}) => model.send({kind: 'paint', pane, corners, point}),
       camera: told,
       look: (look) => {
         model.set('look', look);
