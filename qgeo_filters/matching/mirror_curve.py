@@ -61,6 +61,24 @@ def mirror_plane(surface: Surface, images: FloatArray) -> MirrorPlane:
     return MirrorPlane(plane.normal, plane.origin, float(np.sqrt(weights @ gaps**2 / surface.area)))
 
 
+def left_right_difference(surface: Surface, images: FloatArray) -> FloatArray:
+    """How far each vertex stands out of the mirror image of the other side, (n,), in the unit of the mesh.
+
+    The other side is reflected in the plane of `mirror_plane`. The distance is measured along the normal at the vertex:
+    positive where the shape has more than on the other side, negative where it has less. What a shape has bent to one
+    side counts, too: it is meant for bones, not for poses.
+
+    Parameters
+    ----------
+    surface : Surface
+    images : (n, 3) float64
+        Mirror point of each vertex, such as ``symmetry.barycentric.pulled_back(surface.vertices)``; NaN where there is
+        none, and then in the result.
+    """
+    gaps = surface.vertices - mirror_plane(surface, images).reflected(images)
+    return np.einsum("ij,ij->i", gaps, surface.vertex_normals)
+
+
 def zero_curves(surface: Surface, values: FloatArray) -> tuple[FloatArray, ...]:
     """Polylines (k, 3) on the surface where a function, linear in each triangle, is zero, the longest first.
 

@@ -10,7 +10,7 @@ from shapes import blob, creature, icosphere, torus
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import ToscaRemeshed
-from qgeo_filters.matching.mirror_curve import mirror_plane, zero_curves
+from qgeo_filters.matching.mirror_curve import left_right_difference, mirror_plane, zero_curves
 from qgeo_filters.surface import Surface
 
 
@@ -52,6 +52,30 @@ def test_the_plane_of_a_reflected_shape_is_found(seed: int) -> None:
     np.testing.assert_allclose(plane.reflected(surface.vertices), images, atol=1e-9)
     images[::7] = np.nan  # vertices that are gone
     assert mirror_plane(surface, images).deviation < 1e-12
+
+
+def test_what_one_side_has_more_is_measured_along_the_normal() -> None:
+    vertices, faces = icosphere(4)
+    ball = Surface(vertices, faces)
+    images = vertices * [-1, 1, 1]
+    np.testing.assert_allclose(left_right_difference(ball, images), 0.0, atol=1e-12)
+    # A bump of height .05 on one side, of a width over which the normals hardly turn.
+    bump = 0.05 * np.exp(-20 * np.linalg.norm(vertices - [0.8, 0.6, 0], axis=1) ** 2)
+    mirror = np.linalg.norm(images[:, None] - vertices, axis=2).argmin(axis=1)
+    np.testing.assert_allclose(vertices[mirror], images, atol=1e-9)
+    lumpy = ball.with_vertices(vertices * (1 + bump)[:, None])
+    difference = left_right_difference(lumpy, lumpy.vertices[mirror])
+    top = bump.argmax()
+    assert difference[top] == pytest.approx(bump[top], rel=0.05)
+    assert difference[mirror[top]] == pytest.approx(-bump[top], rel=0.05)
+    assert np.abs(difference[bump + bump[mirror] < 1e-6]).max() < 0.004  # but for the plane, which the bump moves
+    gone = lumpy.vertices[mirror].copy()
+    gone[7] = np.nan
+    assert np.isnan(left_right_difference(lumpy, gone)[7])
+    assert np.isfinite(np.delete(left_right_difference(lumpy, gone), 7)).all()
+    # In the unit of the mesh, and whatever its place.
+    moved = lumpy.with_vertices(10 * lumpy.vertices @ np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]]) + 5)
+    np.testing.assert_allclose(left_right_difference(moved, moved.vertices[mirror]), 10 * difference, atol=1e-9)
 
 
 def test_a_creature_has_a_plane_and_a_mirror_point_for_every_vertex() -> None:

@@ -254,3 +254,22 @@ def test_an_animation_plays_while_the_kernel_is_busy(book):
     np.testing.assert_array_equal(tools.pixels(canvas), still)
     book.python("w.time = 0.0")
     tools.until(lambda: np.abs(tools.pixels(canvas) - first).mean() < 0.1)
+
+
+def test_a_region_is_painted_by_dragging(books, pair):
+    book = books("webgl")
+    page = book.page
+    book.show("w = qw.compare(x, y, p2p=where)\nw")
+    left, right = book.canvases(2)
+    before = tools.settled(right)
+    page.get_by_label("paint").check()
+    tools.until(lambda: book.python("print(w.brush, w._viewer._scene.brush)") == "True True")
+    camera = book.python("print(w.camera)")
+    tools.drag(page, left, 40, 10)
+    tools.until(lambda: int(book.python("print(len(w.painted))")) > 2)
+    assert book.python("print(w.camera)") == camera  # nothing was turned
+    assert book.python("print(w.mode, w.picked)") == "painted region None"
+    tools.until(lambda: np.abs(tools.pixels(right) - before).mean() > 1)
+    page.get_by_role("button", name="wipe").click()
+    tools.until(lambda: book.python("print(len(w.painted))") == "0")
+    book.python("w.close()")

@@ -55,7 +55,7 @@ def test_wrong_places_are_a_list_to_click(widget, pair):
 
 def test_a_dab_is_what_lies_around_and_faces_the_same_way():
     flat = qg.testing.sample_surface()
-    flat = flat.with_vertices(flat.vertices * [1, 1, 0.01])  # two sides, far nearer to each other than the brush is wide
+    flat = flat.with_vertices(flat.vertices * [1, 1, 0.01])  # its sides are nearer than the brush is wide
     vertex = int(flat.vertices[:, 2].argmax())
     dab = Brush(flat).dab(vertex)
     radius = RADIUS * np.sqrt(flat.area)
@@ -69,7 +69,7 @@ def test_what_is_painted_on_one_shape_is_seen_on_both(pair):
     widget = qw.compare(x, y, p2p=where)
     widget.brush = True
     assert widget._viewer._scene.brush
-    face = np.array([f for f in x.faces if 17 in f][0])
+    face = x.faces[(x.faces == 17).any(axis=1)][0]
     point = widget._viewer.panes[0].placement.to_scene(x.vertices[17]).tolist()
     widget._viewer._scene._handle_custom_msg({"kind": "paint", "pane": 0, "corners": face.tolist(), "point": point}, [])
     assert 17 in widget.painted

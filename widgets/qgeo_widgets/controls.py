@@ -106,7 +106,9 @@ def table(rows: Sequence[Sequence[str]], head: Sequence[str] = ()) -> str:
     if not rows:
         return ""
     cell = 'style="padding:1px 14px 1px 0;text-align:left;vertical-align:top;font-weight:{w}"'
-    lines = ["<tr>" + "".join(f"<th {cell.format(w=600)}>{escape(h)}</th>" for h in head) + "</tr>"] if head else []
+    # A corner without text is no heading.
+    heads = [f"<th {cell.format(w=600)}>{escape(h)}</th>" if h else "<td></td>" for h in head]
+    lines = [f"<tr>{''.join(heads)}</tr>"] if head else []
     for entries in rows:
         lines.append("<tr>" + "".join(f"<td {cell.format(w=400)}>{escape(e)}</td>" for e in entries) + "</tr>")
     return (

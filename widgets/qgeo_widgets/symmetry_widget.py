@@ -12,6 +12,7 @@ from qgeo_filters._typing import FloatArray
 from qgeo_filters.defaults import EIGENPAIRS, SYMMETRY_K0
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.filters import stages
+from qgeo_filters.matching.mirror_curve import left_right_difference
 from qgeo_filters.matching.symmetry_measure import symmetry_regions, symmetry_sum
 from qgeo_filters.report.colors import position_colors
 from qgeo_filters.validation import checked_index
@@ -27,6 +28,7 @@ from qgeo_widgets.shape import Shape
 MIRRORED = "mirror images in one colour"
 SIDES = "sides"
 ASYMMETRY = "asymmetry"
+DIFFERENCE = "left-right difference"
 REGIONS = "regions of eq. (3)"
 SUM = "sum of eq. (3)"
 _PICKED, _IMAGE, _AXIS = (0.86, 0.11, 0.16), (0.98, 0.70, 0.10), (0.1, 0.1, 0.12)
@@ -146,6 +148,7 @@ class SymmetryWidget(ShapeWidget):
         modes: dict[str, Any] = {}
         if self._symmetry.found:
             modes = {MIRRORED: self._mirrored_field, SIDES: self._side_field, ASYMMETRY: self._asymmetry_field}
+            modes[DIFFERENCE] = self._difference_field
         modes |= {REGIONS: self._region_field, SUM: self._sum_field, EIGENFUNCTION: self._eigen_field}
         for name in self._shape.surface.attributes:
             modes[ATTRIBUTE + name] = partial(self._attribute_field, name)
@@ -192,6 +195,14 @@ class SymmetryWidget(ShapeWidget):
     def _asymmetry_field(self, k: int) -> Field:
         label = "asymmetry: mean |d(p, q) − d(Tp, Tq)| / √area"
         return ScalarField([np.asarray(self._symmetry.asymmetry, dtype=np.float64)] * 2, label)
+
+    def _difference_field(self, k: int) -> Field:
+        surface = self._shape.surface
+        places = getattr(self._symmetry, "barycentric", None)
+        vertices = surface.vertices
+        images = vertices[self._symmetry.p2p] if places is None else places.pulled_back(vertices)
+        label = "out of the mirror image of the other side, along the normal, in the unit of the mesh"
+        return ScalarField([left_right_difference(surface, images)] * 2, label, signed=True)
 
     def _region_field(self, k: int) -> Field:
         k0 = min(self.k0, self._shape.spectrum.k)

@@ -109,6 +109,7 @@ export class LookPanel {
 
 function labelled(input, text, before) {
   const label = document.createElement('label');
+  input.setAttribute('aria-label', text);  /* without the names of a list's entries */
   label.append(...(before ? [`${text} `, input] : [input, ` ${text}`]));
   return label;
 }

@@ -101,10 +101,8 @@ export class Pane {
   look({flat, edges, opacity, light}) {
     for (const material of [this.material, this.borders?.material]) {
       if (!material) continue;
-      if (material.flatShading !== flat) {
-        material.flatShading = flat;
-        material.needsUpdate = true;
-      }
+      if (material.flatShading !== flat || material.transparent !== opacity < 1) material.needsUpdate = true;
+      material.flatShading = flat;
       material.transparent = opacity < 1;
       material.opacity = opacity;
       material.depthWrite = opacity > 0.6;

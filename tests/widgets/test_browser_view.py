@@ -1,0 +1,153 @@
+"""The browser module by mouse and keys, on a page that it draws: what is under the mouse, the panel, narrow windows."""
+
+from __future__ import annotations
+
+import io
+
+import browser as tools
+import matplotlib.image
+import numpy as np
+import pytest
+
+import qgeo_widgets as qw
+from qgeo_widgets import compared_colors as names
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture(scope="module")
+def path(pair, tmp_path_factory):
+    x, y, where = pair
+    path = tmp_path_factory.mktemp("page") / "compare.html"
+    widget = qw.compare(x, y, p2p=where)
+    widget.to_html(path, modes=["attribute: height", names.CHECKERBOARD])
+    widget.close()
+    return path
+
+
+@pytest.fixture
+def view(page, path):
+    """The first shape on the page, drawn."""
+    page.goto(path.as_uri())
+    view = page.locator(".qgeo-view").first
+    tools.until(lambda: tools.pixels(view).std() > 15)
+    return view
+
+
+def middle(view) -> tuple[float, float]:
+    box = view.bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def test_vertex_and_value_under_the_mouse_are_said_without_a_kernel(page, view, pair):
+    tip = page.locator(".qgeo-tip")
+    assert not tip.is_visible()
+    page.mouse.move(*middle(view))
+    tools.until(tip.is_visible)
+    number, value = tip.inner_text().removeprefix("vertex ").split(": about ")
+    height = pair[0].attributes["height"]
+    assert float(value) == pytest.approx(height[int(number)], abs=np.ptp(height) / 200)
+    box = view.bounding_box()
+    page.mouse.move(box["x"] + 4, box["y"] + 4)
+    tools.until(lambda: not tip.is_visible())
+
+
+def test_keys_turn_move_come_nearer_and_go_home(page, view):
+    view.focus()
+    first = tools.settled(view)
+    for key in ("ArrowRight", "ArrowUp", "+", "-", "Shift+ArrowLeft"):
+        before = tools.settled(view)
+        page.keyboard.press(key)
+        tools.until(lambda before=before: np.abs(tools.pixels(view) - before).mean() > 0.3)
+    page.keyboard.press("Home")
+    tools.until(lambda: np.abs(tools.pixels(view) - first).mean() < 0.1)
+
+
+def test_the_panel_changes_what_is_drawn_and_back(page, view):
+    page.get_by_text("view and picture").click()
+    page.mouse.move(0, 0)
+    first = tools.settled(view)
+    for name in ("edges", "flat shading", "parallel projection"):
+        page.get_by_label(name).check()
+        tools.until(lambda: np.abs(tools.pixels(view) - first).mean() > 0.05)
+        page.get_by_label(name).uncheck()
+        tools.until(lambda: np.abs(tools.pixels(view) - first).mean() < 0.01)
+    for name, value, back in (("opacity", "0.4", "1"), ("light", "0.5", "1")):
+        page.get_by_label(name).fill(value)
+        tools.until(lambda: np.abs(tools.pixels(view) - first).mean() > 1)
+        page.get_by_label(name).fill(back)
+        tools.until(lambda: np.abs(tools.pixels(view) - first).mean() < 0.01)
+    page.get_by_label("background").select_option("black")
+    tools.until(lambda: tools.pixels(view)[5, 5].max() < 3)
+
+
+def test_standard_views_and_kept_ones(page, view):
+    page.get_by_text("view and picture").click()
+    page.get_by_label("parallel projection").check()  # the front and the back have one outline
+    page.mouse.move(0, 0)
+    front = tools.settled(view)
+
+    def outline(picture):
+        return (np.abs(picture - picture[2, 2]) > 6).any(axis=2)
+
+    page.get_by_role("button", name="keep this view").click()
+    page.get_by_label("look").select_option("from behind")
+    tools.until(lambda: np.abs(tools.pixels(view) - front).mean() > 1)
+    back = tools.settled(view)
+    assert (outline(back)[:, ::-1] == outline(front)).mean() > 0.985
+    page.get_by_label("look").select_option("saved 1")
+    tools.until(lambda: np.abs(tools.pixels(view) - front).mean() < 0.05)
+
+
+def test_a_picture_is_as_large_as_was_asked_for_and_clear_around_the_shapes(page, view):
+    page.get_by_text("view and picture").click()
+    page.get_by_label("picture", exact=True).select_option("2 times as large")
+    page.get_by_label("no background").check()
+    with page.expect_download() as download:
+        page.get_by_role("button", name="save picture").click()
+    picture = matplotlib.image.imread(io.BytesIO(download.value.path().read_bytes()), format="png")
+    whole = page.locator("#panes").bounding_box()
+    assert picture.shape[2] == 4
+    assert picture.shape[1] == pytest.approx(2 * whole["width"], abs=2)
+    assert picture[2, 2, 3] == 0
+    assert 0.05 < (picture[..., 3] == 1).mean() < 0.6
+
+
+def test_the_checkerboard_is_sharp_within_triangles(page, view):
+    page.mouse.move(0, 0)
+    smooth = tools.settled(view)
+    page.select_option("#mode", label=names.CHECKERBOARD)
+    tools.until(lambda: np.abs(tools.pixels(view) - smooth).mean() > 1)
+
+    def steps(picture):
+        """Share of the pixels of the shape that are far from the one beside."""
+        on_shape = (np.abs(picture - picture[5, 5]) > 12).any(axis=2)
+        inside = on_shape[:, 1:] & on_shape[:, :-1]
+        return (np.abs(np.diff(picture.sum(axis=2), axis=1)) > 60)[inside].mean()
+
+    assert steps(smooth) < 0.01
+    assert steps(tools.settled(view)) > 0.03
+
+
+@pytest.mark.parametrize(("width", "rows"), [(1280, 1), (740, 1), (390, 2)])
+def test_shapes_are_side_by_side_where_there_is_room_and_nothing_is_cut_off(page, path, width, rows):
+    page.set_viewport_size({"width": width, "height": 900})
+    page.goto(path.as_uri())
+    views = page.locator(".qgeo-view")
+    tools.until(lambda: tools.pixels(views.first).std() > 15)
+    boxes = [views.nth(k).bounding_box() for k in range(2)]
+    assert len({round(box["y"]) for box in boxes}) == rows
+    assert all(box["x"] >= 0 and box["x"] + box["width"] <= width for box in boxes)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    for k in range(2):
+        assert tools.pixels(views.nth(k)).std() > 15
+
+
+def test_a_dark_page_is_dark_behind_the_shapes_too(chromium, path):
+    context = chromium.new_context(viewport={"width": 1100, "height": 900}, color_scheme="dark")
+    page = context.new_page()
+    page.goto(path.as_uri())
+    view = page.locator(".qgeo-view").first
+    tools.until(lambda: tools.pixels(view).std() > 15)
+    assert tools.pixels(view)[5, 5].max() < 60
+    context.close()
