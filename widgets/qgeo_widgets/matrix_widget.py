@@ -77,7 +77,7 @@ class MatrixWidget(ShapeWidget):
             strip = ipywidgets.HTML(_strip(len(sample), size))
             matrix_side = ipywidgets.VBox(
                 [ipywidgets.HTML(title), ipywidgets.HBox([strip, self._pane.widget])],
-                layout={"overflow": "visible", "margin": "0 6px 4px 0"},
+                layout={"overflow": "visible", "margin": "0 6px 4px 0", "width": f"{size + 24}px", "max_width": "100%"},
             )
             viewer.put_beside(matrix_side, first=True)
             self._assemble(viewer, ["shape"], ORDER)
