@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray
+from qgeo_filters.array_likes import as_array
 from qgeo_filters.missing_values import with_missing
 from qgeo_filters.validation import frozen
 
@@ -75,7 +76,7 @@ class BarycentricMap:
         ParameterError
             Unsigned numbers, of which none says "no point", where a point is missing.
         """
-        array = np.asarray(values)
+        array = as_array(values)
         if array.dtype.kind in "fc":
             return np.einsum("ij,ij...->i...", self.coordinates, array[self.corners])
         return with_missing(array[self.nearest_corner], self.faces < 0)

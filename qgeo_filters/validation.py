@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IntArray, RepairOption
+from qgeo_filters.array_likes import as_array, vertex_number
 from qgeo_filters.errors import MeshError, ParameterError
 
 
@@ -27,7 +28,7 @@ def listed(indices: npt.ArrayLike, limit: int = 5) -> str:
 def checked_vertices(vertices: npt.ArrayLike) -> FloatArray:
     """Copy of the coordinates as (n, 3) float64, or `MeshError`."""
     try:
-        given = np.asarray(vertices)
+        given = as_array(vertices)
         is_complex = given.dtype.kind == "c"
         array = np.array(given.real if is_complex else given, dtype=np.float64, order="C")
     except (TypeError, ValueError) as error:
@@ -53,7 +54,7 @@ def checked_vertices(vertices: npt.ArrayLike) -> FloatArray:
 def checked_faces(faces: npt.ArrayLike, n_vertices: int) -> IntArray:
     """Copy of the vertex indices as (m, 3) int32, or `MeshError`."""
     try:
-        array = np.asarray(faces)
+        array = as_array(faces)
     except ValueError as error:  # rows of different lengths
         raise MeshError(f"faces must be whole numbers in rows of three: {error}") from error
     if array.ndim != 2 or array.shape[1] != 3:
@@ -85,7 +86,7 @@ def checked_attributes(attributes: Mapping[str, npt.ArrayLike], n_vertices: int)
     """Read-only copies of per-vertex values, or `MeshError` where a length is not the number of vertices."""
     checked = {}
     for name, values in attributes.items():
-        array = np.array(values)
+        array = np.array(as_array(values))
         if array.ndim == 0 or len(array) != n_vertices:
             raise MeshError(f"attribute {name!r} has shape {array.shape}, but there are {n_vertices} vertices")
         checked[str(name)] = frozen(array)
@@ -121,6 +122,7 @@ def checked_count(value: int, low: int, high: int | None, name: str, most: str |
 
 def checked_index(index: int, count: int, name: str) -> int:
     """The index as an int in range, or `MeshError`."""
+    index = vertex_number(index)
     if not isinstance(index, (int, np.integer)) or isinstance(index, bool):
         raise MeshError(f"{name} must be a vertex index, got {index!r}")
     if not 0 <= index < count:
@@ -130,7 +132,7 @@ def checked_index(index: int, count: int, name: str) -> int:
 
 def checked_indices(indices: npt.ArrayLike, count: int, name: str, *, missing: bool = False) -> npt.NDArray[np.int64]:
     """One-dimensional array of vertex indices in range, or `MeshError`; with ``missing`` -1 stands for none."""
-    array = np.atleast_1d(np.asarray(indices))
+    array = np.atleast_1d(as_array(indices))
     if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
         raise MeshError(f"{name} must be vertex indices in one dimension, got {array.dtype} of shape {array.shape}")
     bad = np.flatnonzero((array < (-1 if missing else 0)) | (array >= count))

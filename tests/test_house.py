@@ -22,6 +22,7 @@ ROOT = Path(__file__).resolve().parents[1]
 FLOORS: list[list[str]] = [
     ["_typing", "_deprecation", "_log", "defaults", "errors"],
     [
+        "array_likes",
         "atomic",
         "barycentric",
         "caching",

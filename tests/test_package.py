@@ -24,7 +24,20 @@ def run(code: str) -> str:
 
 def test_import_loads_no_heavy_package() -> None:
     loaded = json.loads(run("import qgeo_filters, sys, json; print(json.dumps(sorted(sys.modules)))"))
-    heavy = {"numba", "open3d", "pymeshlab", "pyvista", "igl", "matplotlib", "ipywidgets", "pythreejs", "dask", "zarr"}
+    heavy = {
+        "numba",
+        "open3d",
+        "pymeshlab",
+        "pyvista",
+        "vedo",
+        "meshio",
+        "igl",
+        "matplotlib",
+        "ipywidgets",
+        "pythreejs",
+        "dask",
+        "zarr",
+    }
     assert not heavy & set(loaded)
 
 

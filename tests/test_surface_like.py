@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import LinearOperator
 from shapes import blob
+from tensors import Tensor
 
 import qgeo_filters as qg
 from qgeo_filters import evaluation
@@ -100,6 +101,10 @@ def lists(tmp_path):
     return SURFACE.vertices.tolist(), SURFACE.faces.tolist()
 
 
+def tensors(tmp_path):
+    return Tensor(SURFACE.vertices, requires_grad=True), Tensor(SURFACE.faces, device="cuda:0")
+
+
 def an_object(tmp_path):
     return SimpleNamespace(vertices=np.array(SURFACE.vertices), faces=np.array(SURFACE.faces))
 
@@ -140,7 +145,7 @@ def contents(result: Any) -> Iterator[Any]:
         yield result
 
 
-@pytest.mark.parametrize("make", [a_pair, lists, an_object, a_path, an_open3d_mesh])
+@pytest.mark.parametrize("make", [a_pair, lists, tensors, an_object, a_path, an_open3d_mesh])
 @pytest.mark.parametrize("name", [name for name in CASES if name != "Surface"])
 def test_the_result_is_that_of_the_surface_bit_for_bit(name, make, tmp_path):
     if name in ("match", "self_symmetry", "compatibility") and make is not a_pair:

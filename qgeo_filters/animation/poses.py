@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.animation.places import Places, places_on, warned
+from qgeo_filters.array_likes import as_array, is_tensor
 from qgeo_filters.closest_points import closest_points
 from qgeo_filters.deformation.pose import posed
 from qgeo_filters.errors import ParameterError, concerning
@@ -96,14 +97,15 @@ def same_triangles(reference: Surface, other: Surface) -> bool:
 def _listed(poses: Any) -> Iterable[Any]:
     if isinstance(poses, (Surface, str, tuple)) or hasattr(poses, "__fspath__"):
         raise ParameterError("poses must be a sequence: put a single one into a list")
-    if isinstance(poses, np.ndarray) and poses.ndim == 2:
-        raise ParameterError(f"poses must have shape (k, n, 3), got {poses.shape}: put a single one into a list")
-    listed: Iterable[Any] = poses
+    given: Any = as_array(poses) if is_tensor(poses) else poses
+    if isinstance(given, np.ndarray) and given.ndim == 2:
+        raise ParameterError(f"poses must have shape (k, n, 3), got {given.shape}: put a single one into a list")
+    listed: Iterable[Any] = given
     return listed
 
 
 def _positions(reference: Surface, pose: Any) -> FloatArray:
-    if isinstance(pose, (np.ndarray, list)):
+    if isinstance(pose, (np.ndarray, list)) or is_tensor(pose):
         return _checked(reference, pose)
     surface, _ = as_given(pose, "auto")
     if surface.n_vertices == reference.n_vertices and not same_triangles(reference, surface):
@@ -112,7 +114,7 @@ def _positions(reference: Surface, pose: Any) -> FloatArray:
 
 
 def _checked(reference: Surface, positions: npt.ArrayLike) -> FloatArray:
-    array = np.asarray(positions, dtype=np.float64)
+    array = as_array(positions).astype(np.float64)
     if array.shape != reference.vertices.shape:
         raise ParameterError(
             f"positions of shape {array.shape}, but the reference has {reference.n_vertices} vertices; "

@@ -11,6 +11,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from qgeo_filters._typing import FloatArray
+from qgeo_filters.array_likes import as_array
 from qgeo_filters.differential.coordinates import differential_coordinates
 from qgeo_filters.differential.curvature import (
     from_inside,
@@ -192,9 +193,9 @@ def _given(surface: Surface, scalar: Scalar) -> tuple[FloatArray, float]:
         values, name = np.asarray(surface.attributes[scalar]), f"attribute {scalar!r}"
     elif callable(scalar):
         unitless = differential_coordinates(surface) / np.sqrt(surface.area)
-        values, name = np.asarray(scalar(unitless)), "the result of the scalar function"
+        values, name = as_array(scalar(unitless)), "the result of the scalar function"
     else:
-        values, name = np.asarray(scalar), "the scalar"
+        values, name = as_array(scalar), "the scalar"
     n = surface.n_vertices
     if values.shape not in ((n,), (n, 1)) or values.dtype.kind not in "biuf":
         raise ParameterError(

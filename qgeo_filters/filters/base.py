@@ -108,8 +108,8 @@ class Filter:
         Parameters
         ----------
         mesh : mesh object, (V, F) or path
-            Whatever `as_surface` takes: a mesh of Open3D, PyMeshLab, PyVista or trimesh, a `Surface`. A legacy
-            Open3D mesh comes back as the tensor kind, a ``(V, F)`` pair and a path as a `Surface`.
+            Whatever `as_surface` takes: a mesh of Open3D, PyMeshLab, PyVista, vedo, trimesh or meshio, a `Surface`. A
+            legacy Open3D mesh comes back as the tensor kind, a ``(V, F)`` pair and a path as a `Surface`.
         repair : bool, "auto" or "force"
             With "auto", work on a repaired copy where the mesh is not welded or the filter refuses it as it is; pieces
             are removed only where the filter needs one piece, and up to a tenth of the area. With True, in any case

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from qgeo_filters.array_likes import as_array
 from qgeo_filters.errors import DisconnectedError, MeshError
 from qgeo_filters.hosts.repair import Repair, repaired_within
 from qgeo_filters.repair.triangle_soup import PIECES, most_lost
@@ -69,7 +70,7 @@ def carried_back(repair: Repair, values: np.ndarray, are_vertices: bool) -> np.n
 
 def repaired_vertices(repair: Repair, name: str, vertices: Any) -> Any:
     """Repaired vertices that stand for original ones; what is none is left for the filter to refuse."""
-    numbers = np.asarray(vertices)
+    numbers = as_array(vertices)
     if numbers.dtype.kind not in "iu" or ((numbers < 0) | (numbers >= len(repair.vertex_of_original))).any():
         return vertices
     there = repair.vertex_of_original[numbers]
@@ -83,5 +84,5 @@ def repaired_values(repair: Repair, values: Any) -> Any:
     """Values of the original vertices at the repaired ones; names and functions as they are."""
     if isinstance(values, str) or callable(values) or values is None:
         return values
-    array = np.asarray(values)
+    array = as_array(values)
     return array[repair.origin] if array.shape[:1] == repair.vertex_of_original.shape else values

@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 from typing import Any, TypeGuard
 
-import numpy as np
-
+from qgeo_filters.array_likes import as_array
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.protocol import host_of, registered_hosts
 from qgeo_filters.io.formats import read_raw
@@ -48,8 +47,10 @@ def is_pair(obj: object) -> TypeGuard[tuple[Any, Any] | list[Any]]:
 
 def _split(vertices: Any, faces: Any, repair: bool) -> RawMesh:
     """Arrays of a pair; with ``repair`` the faces may have any numbers of corners, also different ones."""
+    if not isinstance(vertices, (list, tuple)):  # whoever checks the arrays says what is wrong with a list
+        vertices = as_array(vertices)
     try:
-        corners = np.asarray(faces)
+        corners = as_array(faces)
     except ValueError:  # rows of different lengths
         if not repair:
             return RawMesh(vertices, faces)  # whoever checks the arrays says so

@@ -46,10 +46,11 @@ def as_surface(obj: SurfaceLike, *, repair: RepairOption = False) -> Surface:
     obj : mesh object
         Surface, open3d.t.geometry.TriangleMesh or the legacy open3d.geometry.TriangleMesh,
         pymeshlab.MeshSet (its current mesh, in the mesh's own coordinates) or Mesh, pyvista.PolyData,
-        trimesh.Trimesh, a ``(V, F)`` pair, a path, or any object with ``vertices`` and ``faces``.
+        trimesh.Trimesh, vedo.Mesh, meshio.Mesh, a ``(V, F)`` pair of arrays or tensors (of PyTorch too, on any device),
+        a path, or any object with ``vertices`` and ``faces``.
         Never changed. Per-vertex attributes come along: ``mesh.vertex[...]`` of Open3D (positions apart;
         normals and colours under their names), custom scalar and point attributes of PyMeshLab,
-        ``point_data`` of PyVista, ``vertex_attributes`` of trimesh.
+        ``point_data`` of PyVista and meshio, ``pointdata`` of vedo, ``vertex_attributes`` of trimesh.
     repair : bool, "auto" or "force"
         Make the mesh manifold and one piece; polygons are triangulated. More than a hundredth of the area is removed
         only with "force". With "auto" only where something is wrong, see `surface_and_repair`. To learn what was

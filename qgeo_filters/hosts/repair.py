@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import IndexArray
+from qgeo_filters.array_likes import as_array
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.arrays import is_path, raw_mesh
 from qgeo_filters.hosts.holes import checked_holes, filled
@@ -74,7 +75,7 @@ class Repair:
         Where a vertex is gone: NaN for floating-point values, -1 for integers (unsigned ones become
         int64), False for booleans.
         """
-        array = np.asarray(values)
+        array = as_array(values)
         if len(array) != len(self.origin):
             raise MeshError(f"values of shape {array.shape} do not fit the {len(self.origin)} repaired vertices")
         if array.dtype.kind == "u":

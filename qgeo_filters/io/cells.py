@@ -99,7 +99,7 @@ def _boundary(
     """Triangles of the sides that only one solid cell has."""
     what = " and ".join(f"{(kinds == kind).sum()} {_NAMES[kind]}" for kind in _SIDES if (kinds == kind).any())
     if not repair:
-        raise MeshError(f"the file holds a solid of {what}, no surface; repair=True takes its boundary")
+        raise MeshError(f"it holds a solid of {what}, no surface; repair=True takes its boundary")
     sides = []
     for kind, local in _SIDES.items():
         of_kind = cells.selected(kinds == kind)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 # VTK's codes of meshio's names.
-_CODES = {
+MESHIO_CODES = {
     "vertex": 1, "line": 3, "triangle": 5, "polygon": 7, "quad": 9,
     "tetra": 10, "hexahedron": 12, "wedge": 13, "pyramid": 14,
 }  # fmt: skip
@@ -114,12 +114,12 @@ def _gmsh_arrays(path: str) -> dict[str, np.ndarray]:
     if not begin.startswith((b"$MeshFormat", b"$Comments")):  # Fluent's meshes have the same suffix
         raise ValueError(f"it is no Gmsh file of version 2 or 4, as it begins with {begin!r}")
     mesh = meshio.gmsh.read(path)
-    curved = sorted({block.type for block in mesh.cells} - set(_CODES))
+    curved = sorted({block.type for block in mesh.cells} - set(MESHIO_CODES))
     if curved:
         raise ValueError(f"it has cells of kind {', '.join(curved)}; save it as a mesh of order 1")
     blocks = [np.asarray(block.data) for block in mesh.cells]
     arrays = _cell_arrays(
-        [np.full(len(data), _CODES[block.type]) for data, block in zip(blocks, mesh.cells, strict=True)],
+        [np.full(len(data), MESHIO_CODES[block.type]) for data, block in zip(blocks, mesh.cells, strict=True)],
         [np.full(len(data), data.shape[1]) for data in blocks],
         [data.ravel() for data in blocks],
     )

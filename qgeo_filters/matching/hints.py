@@ -10,6 +10,7 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.array_likes import as_array
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.io.landmarks import Landmarks
 from qgeo_filters.surface import Surface
@@ -123,7 +124,7 @@ def _as_points(landmarks: LandmarkPairs) -> tuple[FloatArray, FloatArray] | None
     if not isinstance(landmarks, (tuple, list)) or len(landmarks) != 2:
         return None
     try:
-        first, second = (np.asarray(part, dtype=np.float64) for part in landmarks)
+        first, second = (as_array(part).astype(np.float64) for part in landmarks)
     except (TypeError, ValueError):
         return None
     if first.ndim != 2 or second.ndim != 2:
@@ -156,7 +157,7 @@ def _nearest_vertices(name: str, surface: Surface, points: FloatArray) -> IndexA
 def _checked_pairs(landmarks: LandmarkPairs, x: Surface, y: Surface) -> IndexArray:
     wanted = "landmarks must be pairs (vertex of X, vertex of Y), or a pair of arrays of points, (k, 3) each"
     try:
-        pairs = np.asarray(landmarks)
+        pairs = as_array(landmarks)
     except (TypeError, ValueError) as error:  # rows of different lengths
         raise ParameterError(f"{wanted}: {error}") from error
     if pairs.ndim != 2 or pairs.shape[1:] != (2,) or not len(pairs):
@@ -193,7 +194,7 @@ def _checked_labels(labels: LabelPair, x: Surface, y: Surface) -> tuple[IndexArr
         raise ParameterError("labels must be two arrays, a number for each vertex of X and for each of Y")
     checked = []
     for name, surface, values in zip("XY", (x, y), labels, strict=True):
-        array = np.asarray(values)
+        array = as_array(values)
         if array.shape != (surface.n_vertices,):
             raise ParameterError(
                 f"labels of {name} must be a whole number for each of its {surface.n_vertices} vertices, "

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.array_likes import as_array
 from qgeo_filters.closest_points import closest_points
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.io.landmarks import Landmarks
@@ -19,7 +20,7 @@ def as_landmarks(given: Landmarks | npt.ArrayLike) -> Landmarks:
     """Landmarks of vertices (k,), of points (k, 3), or as they are."""
     if isinstance(given, Landmarks):
         return given
-    array = np.asarray(given)
+    array = as_array(given)
     if array.ndim <= 1 and (array.dtype.kind in "iu" or not array.size):
         return Landmarks(vertices=np.atleast_1d(array).astype(np.int64))
     if array.ndim == 2 and array.shape[1] == 3 and array.dtype.kind in "iuf":

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.array_likes import as_array
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.matching.maps.barycentric import BarycentricMap
 from qgeo_filters.missing_values import with_missing
@@ -68,7 +69,7 @@ def _numbered(values: np.ndarray) -> tuple[IndexArray, IndexArray]:
 
 def checked_values(values: npt.ArrayLike, count: int, other: int, source: str, target: str) -> np.ndarray:
     """Values of a shape of so many vertices as an array, or `ParameterError`."""
-    array = np.asarray(values)
+    array = as_array(values)
     if array.ndim and len(array) == count:
         return array
     hint = f"; values of {target} go to={source.lower()!r}" if array.ndim and len(array) == other else ""

@@ -36,9 +36,7 @@ def triangles(vertices, cells, repair=False):
 
 @pytest.mark.parametrize("name", FILLINGS)
 def test_the_boundary_of_a_solid_is_closed_and_faces_outward(name):
-    with pytest.raises(
-        MeshError, match=r"the file holds a solid of \d+ .*, no surface; repair=True takes its boundary"
-    ):
+    with pytest.raises(MeshError, match=r"it holds a solid of \d+ .*, no surface; repair=True takes its boundary"):
         triangles(CUBE, FILLINGS[name])
     faces, notes = triangles(CUBE, FILLINGS[name], repair=True)
     surface = Surface(CUBE, faces)

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IntArray
+from qgeo_filters.array_likes import as_array
 from qgeo_filters.errors import DisconnectedError, MeshError, ParameterError
 from qgeo_filters.geodesics.metric import LiftedMetric, Metric, metric_for
 from qgeo_filters.geodesics.path.backtrace import edge_sleeve, exact_sleeve
@@ -177,7 +178,7 @@ def quasi_geodesics(
     [True, True]
     """
     surface = as_surface(surface)
-    table = np.asarray(pairs)
+    table = as_array(pairs)
     if table.ndim != 2 or table.shape[1] != 2:
         raise MeshError(f"pairs must have shape (k, 2), got {table.shape}")
     table = checked_indices(table.ravel(), surface.n_vertices, "pairs").reshape(-1, 2)

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from scipy import sparse
 
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray
+from qgeo_filters.array_likes import as_array
 from qgeo_filters.barycentric import BarycentricMap, nearest_in_triangles
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
@@ -51,7 +52,7 @@ def barycentric_map(positions: npt.ArrayLike, p2p: npt.ArrayLike, y: SurfaceLike
     True
     """
     y = as_surface(y)
-    points = np.asarray(positions, dtype=np.float64)
+    points = as_array(positions).astype(np.float64)
     images = checked_indices(p2p, y.n_vertices, "p2p", missing=True)
     if points.shape != (len(images), 3):
         raise ParameterError(f"positions have shape {points.shape}, expected ({len(images)}, 3): one for each of p2p")

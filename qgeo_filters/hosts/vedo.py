@@ -1,0 +1,91 @@
+"""vedo meshes: point data both ways."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from qgeo_filters.errors import MeshError, require_package
+from qgeo_filters.io.polygons import Polygons, triangulated
+from qgeo_filters.io.raw_mesh import RawMesh, counted
+from qgeo_filters.surface import Surface
+
+
+def read(mesh: Any, repair: bool) -> RawMesh:
+    """Arrays of a Mesh of triangles, as it is placed in the scene; every array of ``pointdata`` is an attribute.
+
+    Raises
+    ------
+    MeshError
+        No Mesh, or one with polygons or strips (`repair` splits the polygons).
+    """
+    _require_mesh(mesh)
+    data = mesh.dataset
+    if data.GetNumberOfStrips():
+        raise MeshError(f"the mesh has {counted(data.GetNumberOfStrips(), 'strip')}: pass mesh.clone().triangulate()")
+    sizes, corners = _polygons(data)
+    points = np.array(mesh.coordinates, dtype=np.float64).reshape(-1, 3)
+    attributes = {name: np.array(mesh.pointdata[name]) for name in mesh.pointdata.keys()}  # noqa: SIM118, no mapping
+    faces, notes = triangulated(points, Polygons(corners, sizes), repair)
+    return RawMesh(points, faces, attributes, notes)
+
+
+def write(mesh: Any, attributes: Mapping[str, np.ndarray]) -> Any:
+    """Copy of the mesh with arrays added to its ``pointdata``; what it is coloured by stays."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+
+    copy = _clone(mesh)
+    for name, values in attributes.items():
+        if values.ndim > 2 or values.dtype.kind not in "biuf" or values.dtype.itemsize > 8:
+            raise MeshError(
+                f"attribute {name!r} of dtype {values.dtype} and shape {values.shape} cannot be held by a vedo mesh"
+            )
+        held = values.astype(np.int8) if values.dtype.kind == "b" else values
+        # By VTK itself: vedo's own setter makes the new array the one that the mesh is coloured by.
+        array = numpy_to_vtk(np.ascontiguousarray(held), deep=True)
+        array.SetName(name)
+        copy.dataset.GetPointData().AddArray(array)
+    return copy
+
+
+def with_positions(mesh: Any, vertices: npt.NDArray[np.float64]) -> Any:
+    """Copy of the mesh at other positions, in the precision of the old ones; normals that it has computed anew."""
+    copy = _clone(mesh)
+    copy.coordinates = vertices.astype(np.asarray(mesh.coordinates).dtype)
+    data = copy.dataset.GetPointData(), copy.dataset.GetCellData()
+    normals = [values.GetNormals() for values in data]
+    if any(array is not None for array in normals):
+        for values, array in zip(data, normals, strict=True):
+            if array is not None:
+                values.RemoveArray(array.GetName())  # else VTK takes them for good
+        copy.compute_normals(points=normals[0] is not None, cells=normals[1] is not None, feature_angle=None)
+    return copy
+
+
+def make(surface: Surface) -> Any:
+    """Mesh with the vertices, faces and attributes of a surface."""
+    vedo = require_package("vedo", "vedo", "a vedo mesh")
+    return write(vedo.Mesh([np.array(surface.vertices), np.array(surface.faces)]), surface.attributes)
+
+
+def _require_mesh(mesh: Any) -> None:
+    if not hasattr(getattr(mesh, "dataset", None), "GetPolys"):
+        raise MeshError(f"a vedo {type(mesh).__qualname__} is no surface: pass a vedo.Mesh")
+
+
+def _clone(mesh: Any) -> Any:
+    _require_mesh(mesh)
+    return mesh.clone(deep=True)
+
+
+def _polygons(data: Any) -> tuple[np.ndarray, np.ndarray]:
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    cells = data.GetPolys()
+    if not cells.GetNumberOfCells():
+        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    sizes = np.diff(vtk_to_numpy(cells.GetOffsetsArray()))
+    return sizes.astype(np.int64), vtk_to_numpy(cells.GetConnectivityArray()).astype(np.int64)
