@@ -66,6 +66,7 @@ FLOORS: list[list[str]] = [
     ["matching.selection"],
     ["matching"],
     ["animation"],
+    ["report.colors"],  # NumPy and matplotlib alone: filters paint as pictures do
     ["filters"],
     ["testing"],
     ["evaluation"],

@@ -1,7 +1,8 @@
 """Methods of ``pymeshlab.MeshSet`` in PyMeshLab's own naming and habits, bound by `register_pymeshlab`.
 
 As PyMeshLab's filters do, they change the current mesh in place, set the per-vertex scalar (its "quality"), take
-keyword arguments in lower case without underscores, and return a dictionary.
+keyword arguments in lower case without underscores, and return a dictionary. Those that need a map are in
+`meshlab_matching`.
 """
 
 from __future__ import annotations
@@ -16,12 +17,15 @@ from scipy.spatial import cKDTree
 from qgeo_filters.defaults import CURVATURE_WEIGHT, EIGENPAIRS
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.errors import MeshError, ParameterError, require_package
+from qgeo_filters.filters import meshlab_matching
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.differential import DifferentialCoordinates, SurfaceScalar
 from qgeo_filters.filters.geodesics import QuasiGeodesicDistances
+from qgeo_filters.filters.meshlab_in_place import set_colors, set_scalar
 from qgeo_filters.filters.spectral import QuasiGeodesicSpectrum
 from qgeo_filters.hosts.dispatch import as_surface
 from qgeo_filters.parallel import default_workers
+from qgeo_filters.report.colors import diverging, sequential
 from qgeo_filters.surface import Surface
 
 
@@ -31,6 +35,7 @@ def compute_scalar_by_quasi_geodesic_distance_from_given_point_per_vertex(
     startpoint: npt.ArrayLike = (0.0, 0.0, 0.0),
     curvatureweight: float = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
+    colorize: bool = False,
     workers: int | None = None,
 ) -> dict[str, Any]:
     """Set the scalar to the quasi-geodesic distance from the vertex nearest to a point.
@@ -41,6 +46,8 @@ def compute_scalar_by_quasi_geodesic_distance_from_given_point_per_vertex(
         In the coordinates of the mesh.
     curvatureweight, scalar
         Of the metric, see `qgeo_filters.QuasiGeodesicDistances`.
+    colorize : bool
+        Whether vertices are painted by the scalar, too.
     workers : int, optional
         Number of threads; by default all cores that this process may use.
 
@@ -57,6 +64,8 @@ def compute_scalar_by_quasi_geodesic_distance_from_given_point_per_vertex(
     filter = QuasiGeodesicDistances(sources=start, scalar=scalar, curvature_weight=curvatureweight)
     with default_workers(workers):
         distance = _run(meshset, surface, filter)["qgeo_distance"]
+    if colorize:
+        set_colors(meshset, sequential(distance)(distance))
     return {"start_vertex": start, "maximum": float(distance[np.isfinite(distance)].max())}
 
 
@@ -67,6 +76,7 @@ def compute_scalar_by_quasi_geodesic_spectrum_per_vertex(
     k: int = EIGENPAIRS,
     curvatureweight: float = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
+    colorize: bool = False,
     workers: int | None = None,
 ) -> dict[str, Any]:
     """Set the scalar to one eigenfunction of the quasi-geodesic distances.
@@ -77,6 +87,8 @@ def compute_scalar_by_quasi_geodesic_spectrum_per_vertex(
         Which of the ``k`` eigenfunctions, from 0.
     k, curvatureweight, scalar
         See `qgeo_filters.QuasiGeodesicSpectrum`.
+    colorize : bool
+        Whether vertices are painted by the scalar, too: blue below zero, red above.
     workers : int, optional
         Number of threads; by default all cores that this process may use.
 
@@ -91,6 +103,9 @@ def compute_scalar_by_quasi_geodesic_spectrum_per_vertex(
     filter = QuasiGeodesicSpectrum(k=k, scalar=scalar, curvature_weight=curvatureweight)
     with default_workers(workers):
         _run(meshset, surface, filter, component)
+    if colorize:
+        shown = filter.spectrum_.eigenfunctions[:, component]
+        set_colors(meshset, diverging(shown)(shown))
     return {
         "eigenvalues": filter.spectrum_.eigenvalues.copy(),
         "eigenfunctions": filter.spectrum_.eigenfunctions.copy(),
@@ -109,7 +124,7 @@ def compute_scalar_by_differential_norm_per_vertex(meshset: Any, *, weights: Any
     """Set the scalar to the length of the differential coordinate, see `qgeo_filters.DifferentialCoordinates`."""
     surface = as_surface(meshset)
     delta = DifferentialCoordinates(weights=weights).compute(surface)["qgeo_delta"]
-    _set_scalar(meshset, "qgeo_differential_norm", np.linalg.norm(delta, axis=1))
+    set_scalar(meshset, "qgeo_differential_norm", np.linalg.norm(delta, axis=1))
     return {}
 
 
@@ -118,6 +133,7 @@ METHODS: tuple[Callable[..., dict[str, Any]], ...] = (
     compute_scalar_by_quasi_geodesic_spectrum_per_vertex,
     compute_scalar_by_lifted_metric_scalar_per_vertex,
     compute_scalar_by_differential_norm_per_vertex,
+    *meshlab_matching.METHODS,
 )
 
 
@@ -147,26 +163,5 @@ def register_pymeshlab() -> list[str]:
 def _run(meshset: Any, surface: Surface, filter: Filter, component: int | None = None) -> Mapping[str, np.ndarray]:
     result = filter.compute(surface)
     ((name, values),) = result.items()
-    _set_scalar(meshset, name, values if component is None else values[:, component])
+    set_scalar(meshset, name, values if component is None else values[:, component])
     return result
-
-
-def _set_scalar(meshset: Any, name: str, values: np.ndarray) -> None:
-    """Set the scalar of the current mesh, in place.
-
-    PyMeshLab sets it from expressions alone, and an expression can read a custom attribute, which can be
-    neither removed nor replaced by an array: so the first free ``name``, ``name_v2``, ``name_v3`` ... is used.
-    """
-    pymeshlab = require_package("pymeshlab", "meshlab", "a PyMeshLab mesh")
-    mesh = meshset.current_mesh()
-    version, free = 1, name
-    while True:
-        try:
-            mesh.add_vertex_custom_scalar_attribute(np.array(values, dtype=np.float64), free)
-            break
-        except pymeshlab.PyMeshLabException:
-            version += 1
-            free = f"{name}_v{version}"
-            if version > 10_000:
-                raise
-    meshset.compute_scalar_by_function_per_vertex(q=free)

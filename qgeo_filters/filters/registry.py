@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 F = TypeVar("F", bound="type[Filter]")
 
 # Modules without filters, which need the host that they are for.
-_DOORS = ("meshlab_methods", "pyvista_accessor")
+_DOORS = ("meshlab_in_place", "meshlab_matching", "meshlab_methods", "pyvista_accessor")
 
 REGISTRY: dict[str, type[Filter]] = {}
 """Filters whose module is loaded, by class name; `registered_filters` loads the package's own first."""

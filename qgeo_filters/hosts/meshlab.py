@@ -123,7 +123,7 @@ def _add_copy(
         # Function filters crash on custom attributes that add_mesh has copied; this filter leaves them behind.
         copy.generate_copy_of_current_mesh()
     if positions is not None:
-        _move(pymeshlab, copy, positions)
+        move_current(copy, positions)
     colors = new.get(("vertex", COLORS))
     if colors is not None and colors.shape == (layer.vertex_number(), 3):
         _paint(copy, colors)
@@ -132,16 +132,18 @@ def _add_copy(
     add_attributes(rebuilt.current_mesh(), {**own, **added})
 
 
-def _move(pymeshlab: Any, holder: Any, positions: npt.NDArray[np.float64]) -> None:
-    """Move the current mesh of a MeshSet, in place, and compute its normals anew."""
+def move_current(holder: Any, positions: npt.NDArray[np.float64]) -> int:
+    """Move the current mesh of a MeshSet, in place, with its normals; number of the layer that helped and stays."""
+    pymeshlab = require_package("pymeshlab", "meshlab", "a PyMeshLab mesh")
     moved = holder.current_mesh_id()
     holder.add_mesh(pymeshlab.Mesh(positions, holder.current_mesh().face_matrix()))
-    target = holder.current_mesh_id()
+    target: int = holder.current_mesh_id()
     holder.set_current_mesh(moved)
     for _ in range(2):  # x + (target - x) is off by a rounding error the first time, exact from there
         holder.compute_coord_linear_morphing(targetmesh=target, percentmorph=100.0)
     holder.compute_normal_per_face()
     holder.compute_normal_per_vertex()
+    return target
 
 
 def _paint(holder: Any, colors: np.ndarray) -> None:

@@ -106,6 +106,31 @@ def position_colors(positions: npt.ArrayLike, axes: FloatArray) -> FloatArray:
     return _from_oklch(0.48 + 0.38 * unit[:, across], 0.05 + 0.11 * unit[:, 2], 20.0 + 290.0 * unit[:, along])
 
 
+def mirror_colors(positions: npt.ArrayLike, p2p: npt.ArrayLike, axes: FloatArray) -> FloatArray:
+    """Colour of each point by the middle between it and its mirror point, shape (n, 3): equal on both sides.
+
+    Seen across the mirror plane the two places of a pair fall together, whatever the pose.
+
+    Parameters
+    ----------
+    positions : array-like, shape (n, 3)
+    p2p : array-like of int, shape (n,)
+        Mirror image of each point; -1: none, and grey.
+    axes : (3, 3) float64
+        Of a `View`.
+    """
+    places, images = np.asarray(positions, dtype=np.float64), np.asarray(p2p)
+    partners = np.where(images < 0, np.arange(len(places)), images)
+    colors = position_colors(0.5 * (places + places[partners]), axes)
+    return np.where(images[:, None] < 0, MISSING, colors)
+
+
+def carried_colors(colors: FloatArray, p2p: npt.ArrayLike) -> FloatArray:
+    """Colour of the image of each vertex, shape (n, 3); grey where it has none (-1)."""
+    images = np.asarray(p2p)
+    return np.where(images[:, None] < 0, MISSING, colors[images])
+
+
 def _from_oklch(
     lightness: npt.NDArray[np.floating], chroma: npt.NDArray[np.floating], hue: npt.NDArray[np.floating]
 ) -> FloatArray:

@@ -13,7 +13,14 @@ from matplotlib.ticker import MaxNLocator
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.report.charts import plot_distance_matrix, plot_path_curvature, plot_spectrum
-from qgeo_filters.report.colors import MISSING, distinct, diverging, position_colors, sequential
+from qgeo_filters.report.colors import (
+    carried_colors,
+    distinct,
+    diverging,
+    mirror_colors,
+    position_colors,
+    sequential,
+)
 from qgeo_filters.report.glyphs import ball, tube
 from qgeo_filters.report.maps import view_alike
 from qgeo_filters.report.panels import Panel, panel_figure
@@ -255,9 +262,8 @@ def plot_symmetry(
         numbers = np.asarray(labels)
         options = {"labels": numbers, "colors": distinct(int(numbers.max(initial=-1)) + 1)}
     else:
-        # Seen across the mirror plane the two places of a pair fall together, whatever the pose.
-        middle = 0.5 * (surface.vertices + surface.vertices[np.asarray(p2p)])
-        options = {"colors": position_colors(middle, view.axes)}
+        assert p2p is not None
+        options = {"colors": mirror_colors(surface.vertices, p2p, view.axes)}
     panels = [Panel(surface, view, options=options), Panel(surface, view.turned(180.0), options=options)]
     return panel_figure(panels, title=title)
 
@@ -290,8 +296,10 @@ def plot_correspondence(
         views = view, view_alike(x, view, y, target)
     view_x, view_y = views
     colors = position_colors(y.vertices, view_y.axes)
-    carried = np.where(target[:, None] < 0, MISSING, colors[target])
-    panels = [Panel(x, view_x, names[0], {"colors": carried}), Panel(y, view_y, names[1], {"colors": colors})]
+    panels = [
+        Panel(x, view_x, names[0], {"colors": carried_colors(colors, target)}),
+        Panel(y, view_y, names[1], {"colors": colors}),
+    ]
     return panel_figure(panels)
 
 

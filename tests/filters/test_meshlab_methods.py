@@ -26,7 +26,10 @@ def meshset() -> object:
 
 def test_names_follow_pymeshlab(meshset: object) -> None:
     names = qg.register_pymeshlab()
-    assert all(name.startswith("compute_scalar_by_") and name.endswith("_per_vertex") for name in names)
+    verbs = ("compute_scalar_by_", "compute_coord_by_", "transfer_attributes_by_", "save_current_mesh_")
+    assert all(name.startswith(verbs) for name in names)
+    assert all(name.endswith("_per_vertex") for name in names if "_scalar_by_" in name)
+    assert set(names).isdisjoint(pymeshlab.filter_list())  # nothing of PyMeshLab's own is replaced
     assert all(callable(getattr(meshset, name)) for name in names)
 
 

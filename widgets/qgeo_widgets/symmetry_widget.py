@@ -14,7 +14,7 @@ from qgeo_filters.errors import ParameterError
 from qgeo_filters.filters import stages
 from qgeo_filters.matching.mirror_curve import left_right_difference
 from qgeo_filters.matching.symmetry_measure import symmetry_regions, symmetry_sum
-from qgeo_filters.report.colors import position_colors
+from qgeo_filters.report.colors import mirror_colors
 from qgeo_filters.validation import checked_index
 from qgeo_widgets import controls
 from qgeo_widgets.base import ShapeWidget
@@ -176,10 +176,8 @@ class SymmetryWidget(ShapeWidget):
 
     @cached_property
     def _mirror_colors(self) -> FloatArray:
-        vertices = self._shape.surface.vertices
-        # Seen across the mirror plane the two places of a pair fall together, whatever the pose.
-        middle = 0.5 * (vertices + vertices[self._symmetry.p2p])
-        return position_colors(middle, self._open_viewer.panes[0].placement.axes)
+        axes = self._open_viewer.panes[0].placement.axes
+        return mirror_colors(self._shape.surface.vertices, self._symmetry.p2p, axes)
 
     def _mirrored_field(self, k: int) -> Field:
         return ColorField(
