@@ -69,6 +69,7 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .geodesics.path.paths import quasi_geodesics as quasi_geodesics
     from .geodesics.solver import GeodesicSolver as GeodesicSolver
     from .hosts.dispatch import as_surface as as_surface
+    from .hosts.lines import polylines as polylines
     from .hosts.protocol import Host as Host
     from .hosts.protocol import register_host as register_host
     from .hosts.repair import Repair as Repair
@@ -119,6 +120,7 @@ _HOME = {
     "as_surface": "hosts.dispatch",
     "repair_surface": "hosts.repair",
     "Repair": "hosts.repair",
+    "polylines": "hosts.lines",
     "register_host": "hosts.protocol",
     "Host": "hosts.protocol",
     "cache": "caching",

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.errors import MeshError, require_package
+from qgeo_filters.hosts.segments import segments
 from qgeo_filters.io.cells import cell_triangles
 from qgeo_filters.io.grid_process import MESHIO_CODES
 from qgeo_filters.io.raw_mesh import RawMesh, counted
@@ -58,6 +59,13 @@ def make(surface: Surface) -> Any:
     """Mesh of one block of triangles with the vertices, faces and attributes of a surface."""
     meshio = require_package("meshio", "files", "a meshio mesh")
     return write(meshio.Mesh(np.array(surface.vertices), [("triangle", np.array(surface.faces))]), surface.attributes)
+
+
+def lines(curves: Sequence[npt.NDArray[np.float64]]) -> Any:
+    """Mesh of one block of lines, the pieces of the curves."""
+    meshio = require_package("meshio", "files", "a meshio mesh")
+    points, ends = segments(curves)
+    return meshio.Mesh(points, [("line", ends)])
 
 
 def _rows(block: Any) -> list[Any]:

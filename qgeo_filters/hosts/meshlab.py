@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 import tempfile
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from qgeo_filters.errors import MeshError, require_package
 from qgeo_filters.hosts.meshlab_attributes import Key, add_attributes, custom_attributes, joined, split
+from qgeo_filters.hosts.segments import segments
 from qgeo_filters.io.raw_mesh import RawMesh, counted
 from qgeo_filters.surface import Surface
 
@@ -68,6 +69,15 @@ def make(surface: Surface) -> Any:
     meshes = pymeshlab.MeshSet()
     meshes.add_mesh(pymeshlab.Mesh(np.array(surface.vertices), np.array(surface.faces)))
     return write(meshes, surface.attributes)
+
+
+def lines(curves: Sequence[npt.NDArray[np.float64]]) -> Any:
+    """MeshSet of one mesh without faces, whose edges are the pieces of the curves."""
+    pymeshlab = require_package("pymeshlab", "meshlab", "a PyMeshLab mesh")
+    points, ends = segments(curves)
+    meshes = pymeshlab.MeshSet()
+    meshes.add_mesh(pymeshlab.Mesh(vertex_matrix=points, edge_matrix=ends.astype(np.int32)))
+    return meshes
 
 
 def _layer(mesh: Any) -> Any:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.errors import MeshError, require_package
+from qgeo_filters.hosts.segments import segments
 from qgeo_filters.io.raw_mesh import RawMesh
 from qgeo_filters.surface import Surface
 
@@ -49,6 +50,15 @@ def make(surface: Surface) -> Any:
     mesh.vertex.positions = open3d.core.Tensor(np.array(surface.vertices))
     mesh.triangle.indices = open3d.core.Tensor(np.array(surface.faces))
     return write(mesh, surface.attributes)
+
+
+def lines(curves: Sequence[npt.NDArray[np.float64]]) -> Any:
+    """LineSet of the curves, of the legacy kind, which all windows of Open3D draw."""
+    open3d = require_package("open3d", "open3d", "an Open3D LineSet")
+    points, ends = segments(curves)
+    return open3d.geometry.LineSet(
+        open3d.utility.Vector3dVector(points), open3d.utility.Vector2iVector(ends.astype(np.int32))
+    )
 
 
 def _tensor(mesh: Any) -> Any:

@@ -21,7 +21,8 @@ class Host(Protocol):
     """How the meshes of one library become arrays, and come back in kind: a module or an object with these functions.
 
     A host may also have ``make(surface)``, a mesh of the library with the vertices, faces and attributes of a
-    `Surface`; `testing.check_filter` then tries every filter on it.
+    `Surface`; `testing.check_filter` then tries every filter on it. And ``lines(curves)``, the library's lines through
+    the points of each curve, a list of arrays (k, 3): what `polylines` gives.
 
     Examples
     --------

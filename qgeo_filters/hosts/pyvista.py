@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.errors import MeshError, require_package
+from qgeo_filters.hosts.segments import segments
 from qgeo_filters.io.raw_mesh import RawMesh, counted
 from qgeo_filters.surface import Surface
 
@@ -81,6 +82,15 @@ def make(surface: Surface) -> Any:
     pyvista = require_package("pyvista", "pyvista", "a PyVista mesh")
     mesh = pyvista.PolyData.from_regular_faces(np.array(surface.vertices), np.array(surface.faces))
     return write(mesh, surface.attributes)
+
+
+def lines(curves: Sequence[npt.NDArray[np.float64]]) -> Any:
+    """PolyData with a line for each curve."""
+    pyvista = require_package("pyvista", "pyvista", "lines of PyVista")
+    points, _ = segments(curves)
+    starts = np.cumsum([0, *map(len, curves)])
+    cells = [np.append(len(curve), np.arange(len(curve)) + start) for curve, start in zip(curves, starts, strict=False)]
+    return pyvista.PolyData(points, lines=np.concatenate(cells)) if cells else pyvista.PolyData()
 
 
 def _corners(mesh: Any) -> np.ndarray:

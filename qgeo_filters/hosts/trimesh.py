@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.errors import MeshError
+from qgeo_filters.hosts.segments import segments
 from qgeo_filters.io.raw_mesh import RawMesh
 from qgeo_filters.surface import Surface
 
@@ -43,3 +44,14 @@ def make(surface: Surface) -> Any:
 
     mesh = trimesh.Trimesh(np.array(surface.vertices), np.array(surface.faces), process=False)
     return write(mesh, surface.attributes)
+
+
+def lines(curves: Sequence[npt.NDArray[np.float64]]) -> Any:
+    """Path3D with a line for each curve."""
+    from trimesh.path import Path3D
+    from trimesh.path.entities import Line
+
+    points, _ = segments(curves)
+    starts = np.cumsum([0, *map(len, curves)])
+    entities = [Line(np.arange(len(curve)) + start) for curve, start in zip(curves, starts, strict=False)]
+    return Path3D(entities=entities, vertices=points, process=False)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.errors import MeshError, require_package
+from qgeo_filters.hosts.segments import segments
 from qgeo_filters.io.polygons import Polygons, triangulated
 from qgeo_filters.io.raw_mesh import RawMesh, counted
 from qgeo_filters.surface import Surface
@@ -69,6 +70,13 @@ def make(surface: Surface) -> Any:
     """Mesh with the vertices, faces and attributes of a surface."""
     vedo = require_package("vedo", "vedo", "a vedo mesh")
     return write(vedo.Mesh([np.array(surface.vertices), np.array(surface.faces)]), surface.attributes)
+
+
+def lines(curves: Sequence[npt.NDArray[np.float64]]) -> Any:
+    """One line for each curve, in a `vedo.Lines` of all their pieces."""
+    vedo = require_package("vedo", "vedo", "lines of vedo")
+    points, ends = segments(curves)
+    return vedo.Lines(points[ends[:, 0]], points[ends[:, 1]])
 
 
 def _require_mesh(mesh: Any) -> None:

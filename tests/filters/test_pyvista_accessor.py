@@ -22,7 +22,7 @@ def mesh() -> object:
 
 
 def test_all_registered_filters_are_offered_and_no_more(mesh: pyvista.PolyData) -> None:
-    offered = set(dir(mesh.qgeo)) - {"apply", "surface"}
+    offered = set(dir(mesh.qgeo)) - {"apply", "surface", "match", "symmetry", "path", "distances"}
     assert {name.replace("_", "") for name in offered} == {name.lower() for name in registry.registered_filters()}
     assert all(callable(getattr(mesh.qgeo, name)) for name in offered)
 
@@ -49,3 +49,37 @@ def test_workers_reach_the_filter(mesh: pyvista.PolyData) -> None:
     for call in (mesh.qgeo.curvatures, lambda workers: mesh.qgeo.apply(qg.Curvatures(), workers=workers)):
         with pytest.raises(qg.ParameterError, match="workers"):
             call(workers=0)
+
+
+def test_a_map_to_another_mesh_and_the_symmetry(mesh: pyvista.PolyData) -> None:
+    other = mesh.scale(2.0).translate([5, 0, 0])
+    found = mesh.qgeo.match(other)
+    assert isinstance(found, qg.MatchResult)
+    assert np.array_equal(found.p2p, np.arange(mesh.n_points))
+    found, log = mesh.qgeo.match(other, log=True, landmarks=[(3, 3)])
+    assert isinstance(log, qg.MatchLog)
+    assert mesh.qgeo.symmetry().reason == qg.self_symmetry(mesh).reason
+
+
+def test_a_path_is_a_polyline_that_says_how_long_it_is(mesh: pyvista.PolyData) -> None:
+    path = qg.quasi_geodesic(mesh, 3, 80, qg.lifted_metric(mesh))
+    line = mesh.qgeo.path(3, 80, qg.lifted_metric(mesh))
+    assert line.n_lines == 1
+    assert np.array_equal(line.points, path.points)
+    assert line.field_data["qgeo_length"][0] == path.length
+    assert line.field_data["qgeo_converged"][0] == 1
+    assert line.point_data["qgeo_arc_length"][-1] == pytest.approx(line.compute_arc_length()["arc_length"][-1])
+    assert np.array_equal(line.point_data["qgeo_geodesic_curvature"], [0, *path.kappa_g, 0])
+
+
+def test_a_picked_point_stands_for_its_vertex(mesh: pyvista.PolyData) -> None:
+    picked = tuple(1.01 * mesh.points[80])
+    assert np.array_equal(mesh.qgeo.path(3, picked).points, mesh.qgeo.path(3, 80).points)
+    with pytest.raises(qg.ParameterError, match=r"j must be a vertex or a point with three finite .*, got \(1, 2\)"):
+        mesh.qgeo.path(3, (1, 2))
+    assert np.array_equal(mesh.qgeo.distances([3, 80]), qg.distances(mesh, [3, 80]))
+
+
+def test_an_unknown_name_lists_all_there_are(mesh: pyvista.PolyData) -> None:
+    with pytest.raises(AttributeError, match=r"no filter 'geodesic'; it has apply, .*match.*path.*self_symmetry"):
+        mesh.qgeo.geodesic  # noqa: B018
