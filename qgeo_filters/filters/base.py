@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import inspect
 import os
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -18,6 +16,7 @@ from qgeo_filters.atomic import atomic_write
 from qgeo_filters.caching import cache
 from qgeo_filters.errors import MeshError, ParameterError, reason
 from qgeo_filters.filters import yaml_text
+from qgeo_filters.filters.estimator import Estimator
 from qgeo_filters.filters.registry import filter_by_name
 from qgeo_filters.filters.repaired import (
     carried_back,
@@ -33,10 +32,8 @@ from qgeo_filters.repair.triangle_soup import most_lost
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_repair
 
-FilterType = TypeVar("FilterType", bound="Filter")
 
-
-class Filter:
+class Filter(Estimator):
     """One step from a mesh to the same mesh with more named per-vertex attributes.
 
     A filter that moves vertices overrides `apply` and returns the surface elsewhere.
@@ -75,9 +72,6 @@ class Filter:
 
     pointwise: ClassVar[bool] = False
     """Whether what a vertex gets does not depend on its neighbours, so that a mesh need not be welded."""
-
-    renamed: ClassVar[Mapping[str, str]] = {}
-    """New name of each parameter that had another: the old one is taken too, with a DeprecationWarning."""
 
     repair_: Repair | None = None
     """What the last call repaired, None if it worked on the mesh as it was."""
@@ -174,41 +168,6 @@ class Filter:
                 return write_back(mesh, None, back.added)
             return _changed(self.repair_.given, self.repair_.given, back)
 
-    # -- parameters ---------------------------------------------------------------------------------
-
-    @classmethod
-    def _parameter_names(cls) -> list[str]:
-        return list(inspect.signature(cls).parameters)
-
-    def get_params(self, deep: bool = True) -> dict[str, Any]:
-        """Constructor arguments by name; ``deep`` is accepted for scikit-learn's sake."""
-        return {name: getattr(self, name) for name in self._parameter_names()}
-
-    def set_params(self: FilterType, **params: Any) -> FilterType:
-        """The filter with some arguments replaced, in place; unknown names raise ParameterError."""
-        names = self._parameter_names()
-        for name, value in params.items():
-            if name in self.renamed:
-                kind, old, name = type(self).__name__, name, self.renamed[name]
-                warnings.warn(
-                    f"{kind}: {old} is now called {name}; the old name goes with the next release",
-                    DeprecationWarning,
-                    stacklevel=2,
-                )
-            if name not in names:
-                raise ParameterError(
-                    f"{type(self).__name__} has no parameter {name!r}; it has {', '.join(names) or 'none'}"
-                )
-            setattr(self, name, value)
-        return self
-
-    def clone(self: FilterType) -> FilterType:
-        """New filter of equal parameters, without results."""
-        return type(self)(**self.get_params())
-
-    def __repr__(self) -> str:
-        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self.get_params().items())})"
-
     # -- composition --------------------------------------------------------------------------------
 
     def __or__(self, other: Filter) -> Pipeline:
@@ -223,13 +182,14 @@ class Pipeline(Filter):
     Parameters
     ----------
     steps : sequence of Filter
-        Also made by ``a | b | c``. ``pipeline[i]`` and ``pipeline["ClassName"]`` give a step, which holds
-        the results that are not per vertex.
+        Also made by ``a | b | c``; a step may be a pipeline. ``pipeline[i]`` and ``pipeline["ClassName"]`` give a
+        step, which holds the results that are not per vertex.
 
     Notes
     -----
     The mesh is converted once at either end, and an expensive stage (scalar, distances, spectrum) that
-    several steps need is computed once.
+    several steps need is computed once. As in scikit-learn, ``pipeline.set_params(Paint__colormap="magma")`` reaches
+    into the steps; filters and pipelines are steps of its own pipelines, with lists of meshes for X.
 
     Examples
     --------
@@ -276,16 +236,58 @@ class Pipeline(Filter):
         """New pipeline of cloned steps."""
         return Pipeline([step.clone() for step in self.steps])
 
+    @property
+    def named_steps(self) -> dict[str, Filter]:
+        """The steps by class name; several of one class are numbered from 1, ``Paint-1`` and ``Paint-2``."""
+        names = [type(step).__name__ for step in self.steps]
+        numbered = [
+            f"{name}-{names[: k + 1].count(name)}" if names.count(name) > 1 else name for k, name in enumerate(names)
+        ]
+        return dict(zip(numbered, self.steps, strict=True))
+
+    def get_params(self, deep: bool = True) -> dict[str, Any]:
+        """The steps; with ``deep`` also each by its name, and their parameters as ``ClassName__parameter``."""
+        params: dict[str, Any] = {"steps": self.steps}
+        for name, step in self.named_steps.items() if deep else ():
+            params[name] = step
+            params |= {f"{name}__{key}": value for key, value in step.get_params().items()}
+        return params
+
+    def set_params(self, **params: Any) -> Pipeline:
+        """The pipeline with its steps, one of them, or some of their arguments replaced, in place.
+
+        Raises
+        ------
+        ParameterError
+            No such step, or no such argument of it.
+        """
+        if "steps" in params:
+            self.steps = params["steps"]
+        whole = {name: value for name, value in params.items() if name != "steps" and "__" not in name}
+        for name, step in whole.items():
+            self._require_step(name)
+            self.steps = [step if known == name else other for known, other in self.named_steps.items()]
+        for name, value in params.items():
+            step_name, inner, key = name.partition("__")
+            if inner:
+                self._require_step(step_name).set_params(**{key: value})
+        return self
+
+    def _require_step(self, name: str) -> Filter:
+        if name not in self.named_steps:
+            raise ParameterError(f"Pipeline has no step {name!r}; it has {', '.join(self.named_steps) or 'none'}")
+        return self.named_steps[name]
+
     def __len__(self) -> int:
         return len(self.steps)
 
     def __getitem__(self, key: int | str) -> Filter:
         if isinstance(key, int):
             return self.steps[key]
-        for step in self.steps:
+        for step in _steps_of(self):
             if type(step).__name__ == key:
                 return step
-        raise KeyError(f"no step {key!r}; the steps are {', '.join(type(step).__name__ for step in self.steps)}")
+        raise KeyError(f"no step {key!r}; the steps are {', '.join(type(step).__name__ for step in _steps_of(self))}")
 
     def __repr__(self) -> str:
         return " | ".join(map(repr, self.steps)) if len(self.steps) > 1 else f"Pipeline({list(self.steps)!r})"
@@ -293,14 +295,14 @@ class Pipeline(Filter):
     # -- YAML ---------------------------------------------------------------------------------------
 
     def to_yaml(self) -> str:
-        """The pipeline as YAML text.
+        """The pipeline as YAML text; pipelines within it are written as their steps.
 
         Raises
         ------
         ParameterError
             For a parameter that text cannot hold (an array, a function, a mesh): its name is given.
         """
-        return yaml_text.to_yaml((type(step).__name__, step.get_params()) for step in self.steps)
+        return yaml_text.to_yaml((type(step).__name__, step.get_params()) for step in _steps_of(self))
 
     @classmethod
     def from_yaml(cls, text: str) -> Pipeline:
@@ -333,8 +335,11 @@ class Pipeline(Filter):
             raise ParameterError(f"{os.fspath(path)}: {reason(error)}") from error
 
 
-def _steps_of(filter: Filter) -> Sequence[Filter]:
-    return filter.steps if isinstance(filter, Pipeline) else [filter]
+def _steps_of(filter: Filter) -> list[Filter]:
+    """The filters of a pipeline in order, those of pipelines within it too."""
+    if not isinstance(filter, Pipeline):
+        return [filter]
+    return [inner for step in filter.steps for inner in _steps_of(step)]
 
 
 @dataclass(frozen=True, eq=False)

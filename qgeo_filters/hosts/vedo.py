@@ -55,7 +55,7 @@ def write(mesh: Any, attributes: Mapping[str, np.ndarray]) -> Any:
 def with_positions(mesh: Any, vertices: npt.NDArray[np.float64]) -> Any:
     """Copy of the mesh at other positions, in the precision of the old ones; normals that it has computed anew."""
     copy = _clone(mesh)
-    copy.coordinates = vertices.astype(np.asarray(mesh.coordinates).dtype)
+    _place(copy, vertices.astype(np.asarray(mesh.coordinates).dtype))
     data = copy.dataset.GetPointData(), copy.dataset.GetCellData()
     normals = [values.GetNormals() for values in data]
     if any(array is not None for array in normals):
@@ -69,7 +69,9 @@ def with_positions(mesh: Any, vertices: npt.NDArray[np.float64]) -> Any:
 def make(surface: Surface) -> Any:
     """Mesh with the vertices, faces and attributes of a surface."""
     vedo = require_package("vedo", "vedo", "a vedo mesh")
-    return write(vedo.Mesh([np.array(surface.vertices), np.array(surface.faces)]), surface.attributes)
+    mesh = vedo.Mesh([np.array(surface.vertices), np.array(surface.faces)])
+    _place(mesh, surface.vertices)  # in double precision, which vedo itself does not keep
+    return write(mesh, surface.attributes)
 
 
 def lines(curves: Sequence[npt.NDArray[np.float64]]) -> Any:
@@ -87,6 +89,17 @@ def _require_mesh(mesh: Any) -> None:
 def _clone(mesh: Any) -> Any:
     _require_mesh(mesh)
     return mesh.clone(deep=True)
+
+
+def _place(mesh: Any, positions: np.ndarray) -> None:
+    """Move the vertices, in place, in the precision of the positions."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonCore import vtkPoints
+
+    points = vtkPoints()
+    points.SetData(numpy_to_vtk(np.ascontiguousarray(positions), deep=True))
+    mesh.dataset.SetPoints(points)
+    mesh.dataset.Modified()
 
 
 def _polygons(data: Any) -> tuple[np.ndarray, np.ndarray]:

@@ -9,6 +9,7 @@ from host_meshes import ATTRIBUTES, FACES, VERTICES, N, assert_attributes
 import qgeo_filters as qg
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.dispatch import as_surface, with_positions, write_back
+from qgeo_filters.hosts.protocol import load_host
 
 vedo = pytest.importorskip("vedo")
 SINGLE = {name: values for name, values in ATTRIBUTES.items() if values.dtype.kind != "b"}
@@ -83,3 +84,10 @@ def test_what_is_no_surface_and_what_cannot_be_held():
     mesh = vedo.Mesh([VERTICES, FACES])
     with pytest.raises(MeshError, match=r"attribute 'a' of dtype <U1 and shape \(\d+,\) cannot be held by a vedo mesh"):
         write_back(mesh, as_surface(mesh), {"a": ["b"] * N})
+
+
+def test_a_mesh_in_double_precision_stays_so():
+    surface = qg.Surface(VERTICES, FACES, {"own": np.arange(N)})
+    mesh = load_host("vedo").make(surface)
+    np.testing.assert_array_equal(as_surface(mesh).vertices, VERTICES)
+    np.testing.assert_array_equal(as_surface(with_positions(mesh, VERTICES / 3)).vertices, VERTICES / 3)
