@@ -51,6 +51,26 @@ def test_regions_of_equal_number_have_equal_colours(sphere: Surface) -> None:
     np.testing.assert_array_equal(first, second)
 
 
+def test_one_camera_and_one_scale_for_all_poses(sphere: Surface) -> None:
+    """In the picture a length is as long in each pose, whatever their places; only the area sets the scale."""
+    same, view = [np.arange(162)] * 3, view_from(0)
+    bent = sphere.with_vertices(sphere.vertices * [0.5, 1.5, 1.0])
+    poses = [sphere, sphere.with_vertices(10 * sphere.vertices + 50), bent]
+    for given in (view, None):
+        first, larger, other = (
+            np.asarray(axes.images[0].get_array()) for axes in plot_poses(poses, same, view=given).axes
+        )
+        np.testing.assert_allclose(first.astype(int), larger, atol=2)
+        camera = given or best_view(sphere.vertices, sphere.faces)
+        drawn = [(picture < 250).any(axis=2) for picture in (first, other)]
+        for axis in (0, 1):  # pixels across and up
+            pixels = [np.ptp(np.flatnonzero(mask.any(axis=axis))) for mask in drawn]
+            lengths = [np.ptp(pose.vertices @ camera.axes[axis]) / np.sqrt(pose.area) for pose in (sphere, bent)]
+            assert pixels[1] / pixels[0] == pytest.approx(lengths[1] / lengths[0], rel=0.03)
+    with pytest.raises(ValueError, match="there are no poses"):
+        plot_poses([], [])
+
+
 def test_poses_in_one_colouring(sphere: Surface) -> None:
     order = np.random.default_rng(0).permutation(162)
     image = np.argsort(order)
@@ -59,7 +79,7 @@ def test_poses_in_one_colouring(sphere: Surface) -> None:
         axes.images[0].get_array() for axes in plot_poses([sphere, shuffled], [np.arange(162), image]).axes
     )
     assert np.abs(first.astype(int) - second).mean() < 1.0
-    # From one place a turned shape looks turned; each from its own best place, the same.
+    # From one place a turned shape looks turned.
     turned, same, view = sphere.with_vertices(sphere.vertices[:, [2, 1, 0]] * [1.5, 1, 1]), np.arange(162), view_from(0)
     wide = sphere.with_vertices(turned.vertices[:, [2, 1, 0]])
     one, other = (axes.images[0].get_array() for axes in plot_poses([wide, turned], [same, same], view=view).axes)

@@ -222,7 +222,7 @@ def _write_page(job: Job, collection: Collection, pair: tuple[str, str], name: s
             subtitle=f"A pair of {collection.store.root}",
             pictures=drawn,
             tables=[
-                Table.of("Results", match_results(found)),
+                Table.explained("Results", match_results(found)),
                 Table.of("Collection", {"all pairs": Link("report.html", "report.html")}),
             ],
             footer=f"qgeo-filters {__version__}. The map itself: Collection.open(...).map({pair[0]!r}, {pair[1]!r}).",

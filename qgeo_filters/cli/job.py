@@ -26,11 +26,13 @@ from qgeo_filters.filters.repaired import carried_back, repaired_vertices
 from qgeo_filters.hosts.dispatch import as_given, surface_and_repair
 from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.repair.triangle_soup import Pieces
-from qgeo_filters.report.html import Picture, Table, formatted, write_report
+from qgeo_filters.report.glossary import meaning
+from qgeo_filters.report.html import Meaning, Picture, Table, formatted, write_report
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices
 
 _PIPE_WIDTH = 120
+_SIDE_BY_SIDE = 3  # meshes in one table of the report
 # Names of files and attributes are printed as they are: [these] would be taken for markup, :this: for a picture.
 _PLAIN: dict[str, Any] = {"highlight": False, "markup": False, "emoji": False}
 
@@ -276,10 +278,10 @@ class Job:
                 subtitle=self.subject or ", ".join(mesh["path"] for mesh in self.meshes),
                 pictures=self._pictures,
                 tables=[
-                    Table.of("Results", self._short_results()),
+                    Table.explained("Results", self._short_results(), self.command),
                     *tables,
-                    Table.of("Parameters", self.parameters),
                     *self._mesh_tables(),
+                    Table.of("Parameters", self.parameters),
                     Table.of("Wall-clock seconds", self.seconds),
                 ],
                 footer=f"qgeo-filters {__version__}. The same numbers are in result.json, the arrays in result.npz.",
@@ -317,11 +319,15 @@ class Job:
         return self.subject or ", ".join(files[:4]) + (f" and {len(files) - 4} more" if len(files) > 4 else "")
 
     def _mesh_tables(self) -> list[Table]:
-        tables = []
-        for mesh in self.meshes:
-            title = "Mesh" if len(self.meshes) == 1 else f"Mesh {mesh['path']}"
-            tables.append(Table.of(title, {name: value for name, value in mesh.items() if name != "path"}))
-        return tables
+        """What the meshes are like: one explained, or several side by side."""
+        of_all = [{name: value for name, value in mesh.items() if name != "path"} for mesh in self.meshes]
+        if len(of_all) == 1:
+            return [Table.explained("Mesh", of_all[0])]
+        if len(of_all) > _SIDE_BY_SIDE:
+            return [Table.of(f"Mesh {mesh['path']}", row) for mesh, row in zip(self.meshes, of_all, strict=True)]
+        names = list(dict.fromkeys(name for mesh in of_all for name in mesh))
+        rows = [(name, *(mesh.get(name) for mesh in of_all), Meaning(meaning(name))) for name in names]
+        return [Table("Meshes", rows, ("", *(Path(mesh["path"]).name for mesh in self.meshes), ""))] if rows else []
 
     def _short_results(self) -> dict[str, Any]:
         """Results but for long lists and records, which have a table of their own."""

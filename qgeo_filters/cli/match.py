@@ -18,10 +18,11 @@ if TYPE_CHECKING:
     from qgeo_filters.cli.job import Job
     from qgeo_filters.matching.match_log import MatchLog
     from qgeo_filters.matching.match_result import MatchResult
+    from qgeo_filters.report.html import Table
     from qgeo_filters.surface import Surface
 
 
-_PICTURES = ("match", "regions", "distortion", "distortion_histogram", "match_log")
+_PICTURES = ("match", "regions", "distortion", "distortion_histogram", "worst_places", "match_log")
 _PICTURES_OF_ERRORS = ("errors", "error_curve")
 
 
@@ -189,6 +190,7 @@ def match(
     if glb:
         outputs.save_scene(job, found, normalize, marks or None)
     draw_match(job, *shapes, found, errors)
+    tables.append(draw_worst(job, *shapes, found, errors))
     draw_log(job, found.log)
     job.finish([*tables, outputs.files_table(landmarks_file, csv, glb)])
 
@@ -270,6 +272,25 @@ def draw_log(job: Job, log: MatchLog) -> None:
         "them costs, and which rule dropped them (all of them: match_log.md).",
         applied(plot_match_log, log),
     )
+
+
+def draw_worst(job: Job, x: Surface, y: Surface, found: MatchResult, errors: np.ndarray | None) -> Table:
+    """Picture of the places where the map is worst, by its errors where the truth is known, and their table."""
+    from qgeo_filters.cli.job import as_title
+    from qgeo_filters.report.html import Table
+    from qgeo_filters.report.worst_places import plot_worst_places, worst_places
+
+    values, what = (found.distortion, "distortion") if errors is None else (errors, "error")
+    places = worst_places(x, values)
+    names = (as_title(job.names[0]), as_title(job.names[1]))
+    if len(places):
+        job.picture(
+            "worst_places",
+            f"Where the map is worst: the places of X of the largest {what} (√area), and their images on Y below them.",
+            applied(plot_worst_places, x, y, found.p2p, values, places, names=names),
+        )
+    rows = [(int(place), int(found.p2p[place]), float(values[place])) for place in places]
+    return Table("Worst places", rows, ("vertex of X", "vertex of Y", f"{what} (√area)"), "No two near each other.")
 
 
 def draw_match(job: Job, x: Surface, y: Surface, found: MatchResult, errors: np.ndarray | None) -> None:

@@ -99,7 +99,7 @@ def _run_one(job: Job, steps: Pipeline, surface: Surface, mend: RepairOption) ->
     added = {name: np.asarray(values) for name, values in described.attributes.items() if name in steps.outputs}
     job.save({name: _summary(values) for name, values in added.items()}, added, described)
     for name, values in added.items():
-        draw = partial(plot_attribute, surface, name, values)
+        draw = partial(plot_attribute, surface, name, values, images=name in steps.index_outputs)
         job.picture(name, f"{name}: {steps.outputs[name]}", draw)
     job.finish()
 

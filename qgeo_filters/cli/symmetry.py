@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 _PAIRS = 2000
 _PICTURES_OF_THE_MEASURE = ("symmetry_regions", "symmetry_sum")
-SYMMETRY_PICTURES = ("symmetry", "sides", "asymmetry", *_PICTURES_OF_THE_MEASURE)
+SYMMETRY_PICTURES = ("symmetry", "sides", "asymmetry", "worst_places", *_PICTURES_OF_THE_MEASURE)
 
 
 def symmetry(
@@ -230,8 +230,11 @@ def symmetry_measure(
 
 def draw_symmetry(job: Job, surface: Surface, arrays: dict[str, Any], found: Symmetry | None) -> None:
     """Pictures of the map, its sides and asymmetry where there is one, and of the regions of eq. (3)."""
+    from qgeo_filters.report.colors import mirror_colors
     from qgeo_filters.report.figures import plot_scalar, plot_symmetry
     from qgeo_filters.report.maps import plot_sides
+    from qgeo_filters.report.view import best_view
+    from qgeo_filters.report.worst_places import plot_worst_places, worst_places
 
     if found is not None and found.found:
         job.picture(
@@ -244,6 +247,20 @@ def draw_symmetry(job: Job, surface: Surface, arrays: dict[str, Any], found: Sym
             "asymmetry",
             "Asymmetry: how far, in the mean, the distances from a point differ from those from its mirror image.",
             lambda: plot_scalar(surface, found.asymmetry, "asymmetry (√area)"),
+        )
+        job.picture(
+            "worst_places",
+            "The places where distances differ most (their asymmetry, √area), and their mirror images below them.",
+            lambda: plot_worst_places(
+                surface,
+                surface,
+                found.nearest,
+                found.asymmetry,
+                worst_places(surface, found.asymmetry),
+                names=("place", "mirror image"),
+                colors=mirror_colors(surface.vertices, found.nearest, best_view(surface.vertices, surface.faces).axes),
+                numbered=job.repairs[0] is None,  # else they would be those of the repaired mesh
+            ),
         )
     unproven = "" if found is None or found.found else f"No symmetry map was found: {found.reason}. "
     job.picture(

@@ -10,8 +10,13 @@ import numpy as np
 from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.differential import SurfaceScalar
+from qgeo_filters.filters.matching import SelfSymmetry
 from qgeo_filters.filters.registry import registered
+from qgeo_filters.report.colors import mirror_colors
 from qgeo_filters.surface import Surface
+
+# Attributes that are vertices of the same mesh.
+_MIRROR_IMAGES = SelfSymmetry.index_outputs
 
 
 @registered
@@ -33,7 +38,8 @@ class Paint(Filter):
 
     Notes
     -----
-    Values that are not finite (unreachable, carried back from nowhere) are painted grey.
+    Values that are not finite (unreachable, carried back from nowhere) are painted grey. The vertices of
+    ``qgeo_symmetry`` are no quantities: a vertex and its mirror image get one colour, whatever the colour map.
 
     Examples
     --------
@@ -71,6 +77,10 @@ class Paint(Filter):
 
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
         """Colours by attribute name."""
+        if self.attribute in _MIRROR_IMAGES and self.attribute in surface.attributes:
+            images = np.asarray(surface.attributes[self.attribute]).reshape(-1)
+            if len(images) == surface.n_vertices and ((images >= -1) & (images < surface.n_vertices)).all():
+                return {"colors": mirror_colors(surface.vertices, images.astype(np.int64), np.eye(3))}
         values = self._values(surface)
         finite = np.isfinite(values)
         low = (

@@ -13,9 +13,12 @@ from qgeo_filters.errors import ParameterError
 from qgeo_filters.evaluation.errors import THRESHOLDS, error_curve
 from qgeo_filters.report.colors import sequential
 from qgeo_filters.report.panels import STYLE, new_figure
+from qgeo_filters.report.ticks import name_room, name_ticks
 
 _BLUE, _RED = "#2c5fa8", "#b2352f"
 _MOST_NUMBERS = 12
+_NAME_ROOM = 0.5  # inches, of names beside it
+_PAIRWISE_SIDE = 2.8  # inches, of the table between its names and its colour bar
 
 
 def plot_histogram(values: npt.ArrayLike, weights: npt.ArrayLike, label: str) -> Figure:
@@ -81,12 +84,12 @@ def plot_pairwise(matrix: npt.ArrayLike, names: Sequence[str], label: str) -> Fi
     if values.shape != (len(names), len(names)):
         raise ParameterError(f"the matrix has shape {values.shape}, but there are {len(names)} names")
     scale = sequential(values)
-    figure = new_figure(4.8, 4.0)
+    more = name_room(names) - _NAME_ROOM
+    figure = new_figure(4.8 + max(more, 0.0), 4.0 + max(more, 0.0))
     with matplotlib.rc_context(STYLE):
         axes = figure.add_subplot()
         image = axes.imshow(values, cmap=scale.colormap, norm=scale.norm)
-        axes.set_xticks(range(len(names)), names, rotation=45, ha="right")
-        axes.set_yticks(range(len(names)), names)
+        name_ticks(axes, names, _PAIRWISE_SIDE)
         if len(names) <= _MOST_NUMBERS:
             middle = 0.5 * (scale.low + scale.high)
             for (i, j), value in np.ndenumerate(values):

@@ -22,7 +22,7 @@ from qgeo_filters.report.colors import (
     sequential,
 )
 from qgeo_filters.report.glyphs import ball, tube
-from qgeo_filters.report.maps import view_alike
+from qgeo_filters.report.maps import SIDE_COLORS, view_alike
 from qgeo_filters.report.panels import Panel, panel_figure
 from qgeo_filters.report.view import View, best_view
 from qgeo_filters.surface import Surface
@@ -98,7 +98,9 @@ def plot_surface(surface: SurfaceLike, *, title: str = "", view: View | None = N
     return panel_figure([panel], width=4.2)
 
 
-def plot_attribute(surface: SurfaceLike, name: str, values: npt.ArrayLike, *, view: View | None = None) -> Figure:
+def plot_attribute(
+    surface: SurfaceLike, name: str, values: npt.ArrayLike, *, view: View | None = None, images: bool = False
+) -> Figure:
     """Figure of a named attribute of any width: whole numbers as regions, columns side by side (the first six).
 
     Parameters
@@ -107,12 +109,20 @@ def plot_attribute(surface: SurfaceLike, name: str, values: npt.ArrayLike, *, vi
     name : str
     values : array-like, shape (n,) or (n, k)
     view : View, optional
+    images : bool
+        Whether the values are vertices of the same surface, such as mirror images: not their numbers are shown, a
+        vertex and its image have one colour (`plot_symmetry`).
     """
     surface = as_surface(surface)
+    if images:
+        return plot_symmetry(surface, p2p=values, title=name, view=view)
     values = np.asarray(values).reshape(surface.n_vertices, -1)
     view = view or _view_of(surface)
     if values.shape[1] == 1 and values.dtype.kind in "bi" and len(np.unique(values)) <= _MOST_REGIONS:
         kinds, labels = np.unique(values[:, 0].astype(np.int64), return_inverse=True)
+        if kinds[0] == -1 and kinds[-1] == 1:  # two sides, and what lies between them
+            options = {"labels": values[:, 0].astype(np.int64) + 1, "colors": SIDE_COLORS[[1, 2, 0]]}
+            return panel_figure([Panel(surface, view, name, options)], width=4.2)
         options = {"labels": np.where(kinds[labels] < 0, -1, labels), "colors": distinct(len(kinds))}
         return panel_figure([Panel(surface, view, name, options)], width=4.2)
     if values.shape[1] == 1:

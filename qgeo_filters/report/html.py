@@ -17,6 +17,7 @@ from urllib.parse import quote
 from matplotlib.figure import Figure
 
 from qgeo_filters.atomic import atomic_write
+from qgeo_filters.report.glossary import meaning
 from qgeo_filters.report.panels import DPI
 from qgeo_filters.report.style import STYLESHEET
 
@@ -100,6 +101,21 @@ class Link:
 
 
 @dataclass(frozen=True)
+class Meaning:
+    """A cell that says what the number beside it means.
+
+    Attributes
+    ----------
+    text : str
+    """
+
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
+
+
+@dataclass(frozen=True)
 class Table:
     """Rows of numbers or words under a heading.
 
@@ -122,6 +138,12 @@ class Table:
     def of(cls, title: str, values: Mapping[str, Any], note: str = "") -> Table:
         """Table of two columns, name and value."""
         return cls(title, list(values.items()), note=note)
+
+    @classmethod
+    def explained(cls, title: str, values: Mapping[str, Any], command: str = "", note: str = "") -> Table:
+        """Table of three columns: name, value and what the value means, as `glossary.meaning` has it."""
+        rows = [(name, value, Meaning(meaning(name, command))) for name, value in values.items()]
+        return cls(title, rows if any(row[2].text for row in rows) else [row[:2] for row in rows], note=note)
 
 
 def formatted(value: Any) -> str:
@@ -213,20 +235,24 @@ def _table(table: Table) -> str:
     body = "".join(_row(row) for row in table.rows)
     content = f'<div class="scroll"><table>{head}<tbody>{body}</tbody></table></div>'
     lines = [[formatted(value) for value in row] for row in (*table.rows, table.columns)]
+    explained = " explained" if any(isinstance(row[-1], Meaning) for row in table.rows) else ""
     longest = [max(map(len, column)) for column in zip_longest(*lines, fillvalue="")]
     wide = " wide" if sum(longest) + _GAP * len(longest) > _HALF_PAGE else ""
-    return f'<div class="table{wide}"><h2>{escape(table.title)}</h2>{content}{_paragraph(table.note)}</div>\n'
+    kind = f"table{wide}{explained}"
+    return f'<div class="{kind}"><h2>{escape(table.title)}</h2>{content}{_paragraph(table.note)}</div>\n'
 
 
 def _row(row: Sequence[Any]) -> str:
     first, *others = row
-    cells = "".join(
-        f'<td class="number">{_cell(value)}</td>'
-        if isinstance(value, (int, float)) and not isinstance(value, bool)
-        else f"<td>{_cell(value)}</td>"
-        for value in others
-    )
+    cells = "".join(f"<td{_kind(value)}>{_cell(value)}</td>" for value in others)
     return f'<tr><th scope="row">{_cell(first)}</th>{cells}</tr>'
+
+
+def _kind(value: Any) -> str:
+    """The class of a cell, as an attribute."""
+    if isinstance(value, Meaning):
+        return ' class="meaning"'
+    return ' class="number"' if isinstance(value, (int, float)) and not isinstance(value, bool) else ""
 
 
 def _cell(value: Any) -> str:

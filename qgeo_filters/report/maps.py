@@ -9,14 +9,16 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 from scipy.spatial import cKDTree
 
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.report.colors import distinct, position_colors
 from qgeo_filters.report.panels import Panel, panel_figure
 from qgeo_filters.report.view import View, best_view
+from qgeo_filters.surface import Surface
 
-# The two sides, and the axis between them.
-_SIDES = np.array([[0.45, 0.62, 0.85], [0.95, 0.76, 0.45], [0.75, 0.12, 0.18]])
+#: Colours of the two sides, and of the axis between them.
+SIDE_COLORS = np.array([[0.45, 0.62, 0.85], [0.95, 0.76, 0.45], [0.75, 0.12, 0.18]])
 _TURNS = (0.0, 180.0, 60.0, -60.0, 120.0, -120.0)  # degrees
 
 
@@ -53,7 +55,7 @@ def plot_sides(surface: SurfaceLike, side: npt.ArrayLike, *, view: View | None =
     sides = np.asarray(side)
     if sides.shape != (surface.n_vertices,) or not np.isin(sides, (-1, 0, 1)).all():
         raise ParameterError(f"side must be -1, 0 or 1 for each of the {surface.n_vertices} vertices")
-    options = {"labels": np.where(sides == 0, 2, (1 - sides) // 2).astype(np.int64), "colors": _SIDES}
+    options = {"labels": np.where(sides == 0, 2, (1 - sides) // 2).astype(np.int64), "colors": SIDE_COLORS}
     view = view or best_view(surface.vertices, surface.faces)
     return panel_figure([Panel(surface, turned, options=options) for turned in (view, view.turned(180.0))])
 
@@ -98,6 +100,8 @@ def plot_poses(
 ) -> Figure:
     """Figure of poses in the colours of the first, carried over along maps: equal places have one colour.
 
+    One camera sees them all as they stand, from where most is seen of the first, at one scale: that of their areas.
+
     Parameters
     ----------
     surfaces : sequence of Surface, or of whatever `as_surface` takes
@@ -108,17 +112,32 @@ def plot_poses(
         Titles.
     columns : int
     view : View, optional
-        Of all, for poses in one frame; each from where most is seen by default.
+        Of all.
     """
     if len(maps) != len(surfaces):
         raise ParameterError(f"one map for each of the {len(surfaces)} poses is needed, got {len(maps)}")
     poses = [as_surface(surface) for surface in surfaces]
-    views = [view or best_view(pose.vertices, pose.faces) for pose in poses]
-    colors = position_colors(poses[0].vertices, views[0].axes)
+    if not poses:
+        raise ParameterError("there are no poses to be drawn")
+    camera = view or best_view(poses[0].vertices, poses[0].faces)
+    rooms = _equal_rooms(poses, camera)
+    colors = position_colors(poses[0].vertices, camera.axes)
     titles = list(names) or [""] * len(surfaces)
     panels = []
-    for surface, image, seen_from, title in zip(poses, maps, views, titles, strict=True):
-        reached, first = np.unique(np.asarray(image), return_index=True)
+    for surface, image, room, title in zip(poses, maps, rooms, titles, strict=True):
+        reached, number = np.unique(np.asarray(image), return_index=True)
         nearest = cKDTree(surface.vertices[reached]).query(surface.vertices)[1]
-        panels.append(Panel(surface, seen_from, title, {"colors": colors[first[nearest]]}))
+        panels.append(Panel(surface, camera, title, {"colors": colors[number[nearest]], "shown": room}))
     return panel_figure(panels, columns=columns)
+
+
+def _equal_rooms(poses: Sequence[Surface], view: View) -> list[FloatArray]:
+    """Two corners of a box for each pose, (2, 3), that all pictures show at one scale, in units of sqrt(area)."""
+    units = [float(np.sqrt(pose.area)) for pose in poses]
+    seen = [pose.vertices[np.unique(pose.faces)] @ view.axes.T for pose in poses]
+    half = np.max([np.ptp(points, axis=0) / (2 * unit) for points, unit in zip(seen, units, strict=True)], axis=0)
+    middles = [0.5 * (points.min(axis=0) + points.max(axis=0)) for points in seen]
+    return [
+        np.stack([middle - unit * half, middle + unit * half]) @ view.axes
+        for middle, unit in zip(middles, units, strict=True)
+    ]

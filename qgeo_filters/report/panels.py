@@ -17,6 +17,7 @@ from matplotlib.gridspec import SubplotSpec
 
 from qgeo_filters.report.colors import ColorScale
 from qgeo_filters.report.render import render_mesh
+from qgeo_filters.report.ticks import bar_locator
 from qgeo_filters.report.view import View
 from qgeo_filters.surface import Surface
 
@@ -54,8 +55,9 @@ class Panel:
 
     @property
     def aspect(self) -> float:
-        """Width of the surface in the picture divided by its height."""
-        return self.view.aspect(self.surface.vertices[np.unique(self.surface.faces)])
+        """Width of what the picture has room for divided by its height."""
+        shown = self.options.get("shown")
+        return self.view.aspect(self.surface.vertices[np.unique(self.surface.faces)] if shown is None else shown)
 
 
 def new_figure(width: float, height: float) -> Figure:
@@ -132,5 +134,7 @@ def add_color_bar(figure: Figure, axes: Sequence[Axes], scale: ColorScale, label
     """Horizontal colour bar under the axes, with its limits and its label."""
     style = {"orientation": "horizontal", "fraction": 0.05, "pad": 0.02, "shrink": 0.62, "aspect": 34, **options}
     bar = figure.colorbar(ScalarMappable(scale.norm, scale.colormap), ax=list(axes), **style)
+    bar.locator = bar_locator(scale.low, scale.high)
+    bar.update_ticks()
     bar.set_label(label)
     bar.outline.set_linewidth(0.5)

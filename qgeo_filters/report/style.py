@@ -26,6 +26,7 @@ figure.wide { grid-column: 1 / -1; }
 figure img {
   display: block; width: 100%; max-height: 44rem; object-fit: contain; background: #ffffff; padding: .75rem;
 }
+@media (prefers-color-scheme: dark) { figure img { filter: brightness(.88); } }
 figcaption { padding: .7rem 1rem .8rem; border-top: 1px solid var(--line); font-size: .92rem;
   color: var(--faint); }
 .tables { columns: 2 24rem; column-gap: 1.25rem; margin-top: 1.25rem; }
@@ -44,7 +45,25 @@ th { overflow-wrap: break-word; }
 thead th { color: var(--faint); font-weight: 600; }
 tbody th { font-weight: 500; }
 .number { font-variant-numeric: tabular-nums; white-space: nowrap; }
+.meaning { color: var(--faint); font-size: .88rem; }
+.meaning { width: 46%; padding-right: 0; }
+@media (max-width: 46rem) {  /* what a number means stands under it */
+  .explained tr { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); border-top: 1px solid var(--line); }
+  .explained tr > * { border-top: 0; width: auto; padding-bottom: 0; }
+  .explained .meaning { grid-column: 1 / -1; padding: 0 0 .35rem; }
+}
 a { color: var(--accent); }
 footer { margin-top: 1.5rem; font-size: .88rem; color: var(--faint); overflow-wrap: anywhere; }
-@media print { body { background: #ffffff; color: #000000; padding: 0; } figure, .table { break-inside: avoid; } }
+@media print {
+  :root { --page: #ffffff; --card: #ffffff; --text: #000000; --faint: #444444; --line: #bbbbbb; --accent: #1d4580;
+    color-scheme: light; }
+  body { padding: 0; max-width: none; font-size: 10pt; }
+  .pictures { grid-template-columns: repeat(2, minmax(0, 1fr)); }
+  figure, .table, tr { break-inside: avoid; }
+  figure, .table { border-radius: 0; }
+  figure img { max-height: 11cm; filter: none; }
+  h1, h2 { break-after: avoid; }
+  .tables { columns: 1; }
+  .scroll { overflow: visible; }
+}
 """

@@ -14,6 +14,7 @@ from typer.testing import CliRunner, Result
 
 from qgeo_filters.cli import app
 from qgeo_filters.report import panels
+from qgeo_filters.report.glossary import meaning
 from qgeo_filters.surface import Surface
 
 
@@ -63,6 +64,8 @@ def _loaded(folder: Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert "http:" not in page
     assert "https:" not in page
+    if content["command"] != "run":  # whose results are named by the filters
+        assert not [name for name in content["results"] if not meaning(name, content["command"])]
     for name in content["files"]:
         if name.endswith(".png"):
             assert (folder / name).read_bytes().startswith(b"\x89PNG")

@@ -8,6 +8,7 @@ from matplotlib import colormaps
 from shapes import icosphere
 
 import qgeo_filters as qg
+from qgeo_filters.report.colors import MISSING, mirror_colors
 
 
 def painted(values: np.ndarray, **options: object) -> np.ndarray:
@@ -18,6 +19,20 @@ def painted(values: np.ndarray, **options: object) -> np.ndarray:
 @pytest.fixture
 def values() -> np.ndarray:
     return np.linspace(-1.0, 3.0, 42)
+
+
+@pytest.mark.parametrize("dtype", [np.int32, np.float64])  # hosts have their own types
+def test_mirror_images_are_painted_as_such_and_not_by_their_numbers(dtype: type) -> None:
+    vertices, faces = icosphere(1)
+    images = np.array([np.linalg.norm(vertices - v * [-1, 1, 1], axis=1).argmin() for v in vertices])
+    images[images == 7] = -1
+    surface = qg.Surface(vertices, faces, {"qgeo_symmetry": images.astype(dtype)})
+    colors = qg.Paint(attribute="qgeo_symmetry", colormap="magma").apply(surface).attributes["colors"]
+    np.testing.assert_allclose(colors, mirror_colors(vertices, images, np.eye(3)))
+    paired = (images >= 0) & (images[images] == np.arange(42))
+    np.testing.assert_allclose(colors[paired], colors[images[paired]])
+    np.testing.assert_allclose(colors[images < 0], [MISSING])
+    assert len(np.unique(colors.round(3), axis=0)) > 15
 
 
 def test_colours_are_those_of_the_map_over_the_range(values: np.ndarray) -> None:
