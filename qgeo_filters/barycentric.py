@@ -40,6 +40,11 @@ class BarycentricMap:
     corners: IndexArray
     coordinates: FloatArray
 
+    def __repr__(self) -> str:
+        known = int((self.faces >= 0).sum())
+        lost = f", {len(self.faces) - known} without" if known < len(self.faces) else ""
+        return f"{type(self).__name__}({known} points in triangles{lost})"
+
     @classmethod
     def unknown(cls, count: int) -> BarycentricMap:
         """Map without any point, its arrays open for those that are found."""

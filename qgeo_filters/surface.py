@@ -14,6 +14,7 @@ import numpy.typing as npt
 from qgeo_filters import connectivity
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray, RepairOption
 from qgeo_filters.errors import DisconnectedError, MeshError, NonManifoldError
+from qgeo_filters.html_repr import card, shown
 from qgeo_filters.io.formats import path_in_errors, read_raw, write_raw
 from qgeo_filters.io.raw_mesh import RawMesh
 from qgeo_filters.repair.sound import sound_mesh
@@ -93,6 +94,20 @@ class Surface:
     def __repr__(self) -> str:
         names = f", attributes={sorted(self.attributes)}" if self.attributes else ""
         return f"Surface({self.n_vertices} vertices, {self.n_faces} faces{names})"
+
+    def _repr_html_(self) -> str:
+        size = np.ptp(self.vertices, axis=0)
+        facts = {
+            "vertices": self.n_vertices,
+            "faces": self.n_faces,
+            "extent": " x ".join(map(shown, size.tolist())),
+            "area": self.area,
+            "pieces": int(self.components[0] - self.unreferenced_vertices.size),
+            "closed": self.is_closed,
+            "manifold": self.is_manifold,
+        }
+        table = [(name, f"{values.dtype}, {values.shape}") for name, values in sorted(self.attributes.items())]
+        return card("Surface", facts, table=table, columns=("attribute", "values") if table else ())
 
     def __getstate__(self) -> dict[str, Any]:
         return {"vertices": self.vertices, "faces": self.faces, "attributes": dict(self.attributes)}

@@ -31,6 +31,7 @@ FLOORS: list[list[str]] = [
         "edge_collapse",
         "equal_rows",
         "fingerprint",
+        "html_repr",
         "jit",
         "memory",
         "missing_values",

@@ -13,6 +13,7 @@ import numpy as np
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import MeshError, ParameterError, reason
+from qgeo_filters.html_repr import card, shown
 from qgeo_filters.io.formats import path_in_errors
 from qgeo_filters.io.number_files import saved_arrays
 from qgeo_filters.surface import Surface
@@ -137,3 +138,15 @@ class Animation:
     def __repr__(self) -> str:
         notes = f", {len(self.notes)} note(s)" if self.notes else ""
         return f"{type(self).__name__}({len(self)} frames of {self.surface.n_vertices} vertices{notes})"
+
+    def _repr_html_(self) -> str:
+        steps = np.linalg.norm(np.diff(self.positions, axis=0), axis=2).mean(axis=1) if len(self) > 1 else None
+        facts = {
+            "frames": len(self),
+            "times": f"{shown(float(self.times[0]))} to {shown(float(self.times[-1]))}",
+            "surface": repr(self.surface),
+            "apart": getattr(self, "apart", None),
+            "notes": list(self.notes) or None,
+        }
+        label = "mean way of a vertex from frame to frame"
+        return card(type(self).__name__, facts, bars=None if steps is None else steps[:60], bars_label=label)

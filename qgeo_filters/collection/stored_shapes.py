@@ -9,6 +9,7 @@ from qgeo_filters.collection.settings import Settings
 from qgeo_filters.collection.store import Entry, Store, pair_place, shape_place
 from qgeo_filters.collection.tasks import PROBLEM, restored_shape
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.html_repr import card
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.matching.symmetry_result import Symmetry
@@ -40,6 +41,11 @@ class StoredShapes:
         groups = len(set(self.groups.values()) - {""})
         within = f" in {groups} groups" if groups else ""
         return f"{type(self).__name__}({len(self)} shapes{within}, {str(self.store.root)!r})"
+
+    def _repr_html_(self) -> str:
+        groups = sorted(set(self.groups.values()) - {""})
+        facts = {"store": str(self.store.root), "groups": groups or None, "shapes": list(self.names)}
+        return card(f"{type(self).__name__} of {len(self)} shapes", facts)
 
     def surface(self, name: str) -> Surface:
         """The mesh of a shape, as it was given."""

@@ -16,6 +16,7 @@ from qgeo_filters.differential.coordinates import (
 from qgeo_filters.differential.jet_fitting import Jets, fitted_jets
 from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
+from qgeo_filters.html_repr import card, shown, span
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
 
@@ -46,6 +47,20 @@ class PrincipalCurvatures:
     d1: FloatArray
     d2: FloatArray
     fitted: npt.NDArray[np.bool_]
+
+    def __repr__(self) -> str:
+        return (
+            f"PrincipalCurvatures({len(self.k1)} vertices, k1 from {self.k1.min():.4g} to {self.k1.max():.4g}, "
+            f"k2 from {self.k2.min():.4g} to {self.k2.max():.4g})"
+        )
+
+    def _repr_html_(self) -> str:
+        facts = {
+            name: f"{span(values)}, median {shown(float(np.median(values)))}"
+            for name, values in (("k1", self.k1), ("k2", self.k2), ("curvedness", self.curvedness))
+        }
+        facts["not fitted"] = f"{int((~self.fitted).sum())} vertices"
+        return card(f"PrincipalCurvatures of {len(self.k1)} vertices, 1 / length", facts)
 
     @property
     def curvedness(self) -> FloatArray:

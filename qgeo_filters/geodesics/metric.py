@@ -14,6 +14,7 @@ from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar, surface_scalar
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
+from qgeo_filters.html_repr import card, shown, span
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
 
@@ -64,6 +65,19 @@ class LiftedMetric:
     scalar: FloatArray
     curvature_weight: float
     edge_lengths: FloatArray
+
+    def __repr__(self) -> str:
+        return f"LiftedMetric({self.surface!r}, curvature_weight={self.curvature_weight:g})"
+
+    def _repr_html_(self) -> str:
+        stretch = self.edge_lengths / np.maximum(self.surface.edge_lengths, np.finfo(float).tiny)
+        facts = {
+            "surface": repr(self.surface),
+            "curvature_weight": self.curvature_weight,
+            "scalar f": span(self.scalar),
+            "edges are longer by": f"{shown(100 * float(np.median(stretch) - 1))} % (median)",
+        }
+        return card("LiftedMetric", facts)
 
     @property
     def weight(self) -> float:

@@ -14,6 +14,7 @@ from qgeo_filters.array_likes import as_array
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.arrays import is_path, raw_mesh
 from qgeo_filters.hosts.holes import checked_holes, filled
+from qgeo_filters.html_repr import card
 from qgeo_filters.io.formats import path_in_errors
 from qgeo_filters.repair.sound import sound_mesh
 from qgeo_filters.repair.triangle_soup import Pieces, most_lost, repaired_mesh
@@ -63,6 +64,16 @@ class Repair:
     face_origin: IndexArray
     turned: npt.NDArray[np.bool_]
     report: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        done = "; ".join(self.report) or "nothing had to be changed"
+        return f"Repair({self.given.n_vertices} vertices to {self.surface.n_vertices}: {done})"
+
+    def _repr_html_(self) -> str:
+        facts = {"given": repr(self.given), "repaired": repr(self.surface)}
+        table = [(str(number), line) for number, line in enumerate(self.report, start=1)]
+        done = "" if self.report else "nothing had to be changed"
+        return card("Repair", facts, subtitle=done, table=table, columns=("", "what was changed") if table else ())
 
     @property
     def changed(self) -> bool:

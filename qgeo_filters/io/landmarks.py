@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.html_repr import card
 from qgeo_filters.validation import frozen
 
 #: Frames of anatomy: the axes point to the right, the front and the head, or to the left, the back and the head.
@@ -108,6 +109,13 @@ class Landmarks:
     def __repr__(self) -> str:
         shown = ", ".join(self.names[:6]) + (", ..." if len(self) > 6 else "")
         return f"Landmarks({len(self)}{f' in {self.frame}' if self.frame else ''}: {shown})"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (name, ", ".join(f"{value:.6g}" for value in point), int(vertex) if vertex >= 0 else "-")
+            for name, point, vertex in zip(self.names, self.points, self.vertices, strict=True)
+        ]
+        return card(f"Landmarks: {len(self)}", {"frame": self.frame}, table=rows, columns=("name", "point", "vertex"))
 
     @property
     def is_known(self) -> npt.NDArray[np.bool_]:

@@ -28,6 +28,7 @@ from qgeo_filters.errors import MeshError, ParameterError, concerning
 from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.hosts.dispatch import SurfaceLike, surface_and_repair
 from qgeo_filters.hosts.repair import Repair
+from qgeo_filters.html_repr import MOST_ROWS, card
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.given_vertices import indices_on_given
 from qgeo_filters.matching.prepared_shape import PreparedShape
@@ -77,6 +78,22 @@ class Compatibility:
     eigenvalues: FloatArray
     baselines: tuple[int, int]
     maps: tuple[IndexArray, ...]
+
+    def __repr__(self) -> str:
+        count, common = self.index.shape
+        pairs = self.c_xy[np.triu_indices(count, 1)]
+        return (
+            f"Compatibility({count} poses, D(S) = {self.d_s:.4g}, C_XY from {pairs.min():.4g} to {pairs.max():.4g}, "
+            f"{common} common eigenfunctions)"
+        )
+
+    def _repr_html_(self) -> str:
+        count, common = self.index.shape
+        facts = {"D(S)": self.d_s, "common eigenfunctions": common, "baselines": list(self.baselines)}
+        few = count <= MOST_ROWS
+        table = [(str(k), *map(float, row)) for k, row in enumerate(self.c_xy)] if few else []
+        columns = ("C_XY", *map(str, range(count))) if few else ()
+        return card(f"Compatibility of {count} poses", facts, table=table, columns=columns)
 
 
 @renamed_parameters(weight="curvature_weight")

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 
+from qgeo_filters.html_repr import card
+
 #: What an entry says of a map that is still in the race.
 IN_THE_RACE = "in the race"
 CHOSEN = "chosen"
@@ -112,6 +114,14 @@ class MatchLog:
 
     def __repr__(self) -> str:
         return f"MatchLog({len(self.maps)} maps, chosen: {self.chosen.number if self.chosen else None})"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (f"#{entry.number}", entry.proposed_by, entry.mean_distortion, _cell(entry.end_cost), entry.fate)
+            for entry in self.ranked()
+        ]
+        columns = ("map", "proposed by", "mean distortion", "cost at the end", "fate")
+        return card(f"MatchLog: {len(self)} maps", {}, table=rows, columns=columns)
 
     def ranked(self) -> list[LoggedMap]:
         """The chosen map, then those by how far they came and what they cost."""

@@ -17,7 +17,7 @@ from qgeo_filters.matching import map_files, map_landmarks, map_transfer
 from qgeo_filters.matching.map_errors import map_errors
 from qgeo_filters.matching.maps.barycentric import BarycentricMap, nearest_around
 from qgeo_filters.matching.match_log import MatchLog
-from qgeo_filters.matching.match_story import story
+from qgeo_filters.matching.match_story import html_story, story
 from qgeo_filters.repair.welding import welded
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices, frozen
@@ -297,6 +297,9 @@ class MatchResult:
 
     def __repr__(self) -> str:
         return story(self)
+
+    def _repr_html_(self) -> str:
+        return html_story(self)
 
     @staticmethod
     def _forward(to: str) -> bool:

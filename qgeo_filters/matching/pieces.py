@@ -16,6 +16,7 @@ from qgeo_filters.decimation import decimated
 from qgeo_filters.errors import MeshError, ParameterError, concerning
 from qgeo_filters.hosts.dispatch import SurfaceLike, surface_and_repair
 from qgeo_filters.hosts.repair import Repair
+from qgeo_filters.html_repr import card
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.map_transfer import checked_values
 from qgeo_filters.matching.match_result import MatchResult
@@ -97,6 +98,26 @@ class PiecewiseMatch:
                 f"{piece.result.score:.4f} sqrt(area) in the mean"
             )
         return "\n".join([*lines, f"  {self.explanation}"])
+
+    def _repr_html_(self) -> str:
+        table = [
+            (
+                str(number),
+                len(piece.vertices_x),
+                len(piece.vertices_y),
+                piece.result.confident,
+                piece.result.score,
+            )
+            for number, piece in enumerate(self.pieces)
+        ]
+        columns = ("piece", "vertices of X", "vertices of Y", "confident", "distortion, sqrt(area)")
+        return card(
+            f"PiecewiseMatch: {len(self.pieces)} pieces",
+            {"repaired": list(self.repairs) or None},
+            subtitle=f"{'confident' if self.confident else 'NOT CONFIDENT'}: {self.explanation}",
+            table=table,
+            columns=columns,
+        )
 
     def transfer(self, values: npt.ArrayLike, to: Literal["y", "x"] = "y", **options: Any) -> np.ndarray:
         """Values of one shape on the other, piece by piece, see `MatchResult.transfer`; NaN, -1 or "" elsewhere."""

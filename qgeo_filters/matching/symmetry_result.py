@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.barycentric import BarycentricMap
+from qgeo_filters.html_repr import card, histogram, shown
 from qgeo_filters.matching.finish import at_full_resolution
 from qgeo_filters.matching.maps.barycentric import barycentric_map
 from qgeo_filters.matching.maps.functional_map import nearest_neighbors, nearest_neighbors_both_ways
@@ -100,6 +101,47 @@ class Symmetry:
     curve: tuple[FloatArray, ...] = ()
     plane: MirrorPlane | None = None
     repairs: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        if not self.found:
+            return f"Symmetry: none found on {len(self.p2p)} vertices\n  {self.reason}"
+        one, other, axis = (int((self.side == side).sum()) for side in (1, -1, 0))
+        plane = "" if self.plane is None else f", in a plane to {self.plane.deviation:.4f} sqrt(area)"
+        lines = [
+            f"Symmetry: {len(self.p2p)} vertices, {one} and {other} on the sides, {axis} on the axis{plane}",
+            f"  {self.reason}, {_largest(self.asymmetry):.4f} at most",
+            *(f"  repaired: {sentence}" for sentence in self.repairs),
+        ]
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        known = self.found
+        facts = {
+            "vertices on the sides": " and ".join(str(int((self.side == k).sum())) for k in (1, -1)) if known else None,
+            "on the axis": int(self.fixed.sum()) if known else None,
+            "mean asymmetry": f"{shown(self.score)} sqrt(area)" if known else None,
+            "largest": f"{shown(_largest(self.asymmetry))} sqrt(area)" if known else None,
+            "orientation": self.orientation if known else None,
+            "plane": f"to {shown(self.plane.deviation)} sqrt(area)"
+            if self.plane is not None
+            else "none: it is bent"
+            if known
+            else None,
+            "epsilon, eq. (3)": self.epsilon,
+            "repaired": list(self.repairs) or None,
+        }
+        return card(
+            f"Symmetry of {len(self.p2p)} vertices",
+            facts,
+            subtitle=self.reason if known else f"NONE FOUND: {self.reason}",
+            bars=histogram(self.asymmetry) if known else None,
+            bars_label=f"vertices by asymmetry, from 0 to {shown(_largest(self.asymmetry))} sqrt(area)",
+        )
+
+
+def _largest(asymmetry: FloatArray) -> float:
+    known = asymmetry[np.isfinite(asymmetry)]
+    return float(known.max()) if known.size else np.nan
 
 
 def described_symmetry(problem: MatchProblem, dense: DenseMap) -> Symmetry:

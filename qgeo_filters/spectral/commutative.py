@@ -18,6 +18,7 @@ from scipy.optimize import linear_sum_assignment
 
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.html_repr import card
 from qgeo_filters.spectral.joint_diagonalization import commutator_norm, joint_diagonalizer
 from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.validation import checked_count, checked_indices, frozen
@@ -79,6 +80,27 @@ class CommutativeSpectra:
     coupling: FloatArray
     residual: float
     c_xy: float
+
+    def __repr__(self) -> str:
+        return f"CommutativeSpectra({len(self.signs)} pairs, C_XY = {self.c_xy:.4g}, residual {self.residual:.4g})"
+
+    def _repr_html_(self) -> str:
+        table = list(
+            zip(
+                (self.index_x + 1).tolist(),
+                (self.index_y + 1).tolist(),
+                np.where(self.signs > 0, "+", "-").tolist(),
+                self.eigenvalues_x.tolist(),
+                self.eigenvalues_y.tolist(),
+                self.coupling.diagonal().tolist(),
+                strict=True,
+            )
+        )
+        columns = ("of X", "of Y", "sign", "eigenvalue of X", "of Y", "coupling")
+        facts = {"C_XY": self.c_xy, "residual, eq. (4)": self.residual}
+        return card(
+            f"CommutativeSpectra: {len(self.signs)} pairs of eigenfunctions", facts, table=table, columns=columns
+        )
 
 
 def commutative_eigenspectra(

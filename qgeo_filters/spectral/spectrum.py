@@ -13,6 +13,7 @@ from scipy.sparse.linalg import LinearOperator, aslinearoperator
 from qgeo_filters._deprecation import renamed_parameters
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import MeshError, ParameterError
+from qgeo_filters.html_repr import card
 from qgeo_filters.spectral.block_lanczos import block_eigenpairs
 from qgeo_filters.spectral.canonical import canonical_signs, group_multiplets
 from qgeo_filters.validation import checked_count, frozen, listed
@@ -71,6 +72,17 @@ class Spectrum:
     def __repr__(self) -> str:
         source = f", from {self.approximation}" if self.approximation else ""
         return f"Spectrum({self.k} eigenpairs on {self.n_vertices} vertices{source})"
+
+    def _repr_html_(self) -> str:
+        equal = [" = ".join(str(k + 1) for k in group) for group in self.multiplets if len(group) > 1]
+        facts = {
+            "first eigenvalues": self.eigenvalues[:6].tolist(),
+            "positive": f"{int((self.eigenvalues > 0).sum())} of {self.k}",
+            "multiplets": equal or None,
+            "largest residual": None if self.residuals is None else float(self.residuals.max()),
+        }
+        label = f"magnitudes of the eigenvalues, 1 to {self.k}"
+        return card("Spectrum", facts, subtitle=repr(self), bars=np.abs(self.eigenvalues[:60]), bars_label=label)
 
     @classmethod
     def of(

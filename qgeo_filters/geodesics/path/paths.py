@@ -15,6 +15,7 @@ from qgeo_filters.geodesics.path.backtrace import edge_sleeve, exact_sleeve
 from qgeo_filters.geodesics.path.straightening import describe, straighten, vertex_nodes
 from qgeo_filters.geodesics.unfolding import UnfoldedMesh, unfolded
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
+from qgeo_filters.html_repr import card, shown
 from qgeo_filters.jit import ZERO, njit
 from qgeo_filters.parallel import in_threads
 from qgeo_filters.surface import Surface
@@ -81,6 +82,19 @@ class GeodesicPath:
     def __repr__(self) -> str:
         state = "converged" if self.converged else "not converged"
         return f"GeodesicPath({len(self.points)} points, length {self.length:.6g}, {state})"
+
+    def _repr_html_(self) -> str:
+        facts = {
+            "length": self.length,
+            "points": len(self.points),
+            "through vertices": int((self.vertices >= 0).sum()),
+            "converged": self.converged,
+            "largest geodesic curvature": f"{shown(float(np.abs(self.kappa_g).max(initial=0.0)))} rad",
+            "first path was longer by": f"{shown(100 * (float(self.lengths[0]) / self.length - 1))} %"
+            if self.length > 0
+            else None,
+        }
+        return card("GeodesicPath", facts)
 
 
 def quasi_geodesic(
