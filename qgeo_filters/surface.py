@@ -146,7 +146,7 @@ class Surface:
             return cls.from_raw(repaired_mesh(sound_mesh(raw), most_lost=most_lost(repair)).mesh if repair else raw)
 
     def write(self, path: str | PathLike[str]) -> None:
-        """Write to a file, atomically; PLY keeps every attribute, others drop them with a warning, see `io.formats`."""
+        """Write to a file, atomically; PLY, VTK's and CSV keep all attributes, others warn, see `io.formats`."""
         write_raw(path, self.vertices, self.faces, self.attributes)
 
     def with_attributes(self, attributes: Mapping[str, npt.ArrayLike]) -> Surface:

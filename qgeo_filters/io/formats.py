@@ -5,18 +5,21 @@ suffix              read                                          written
 ==================  ============================================  =======================================
 .ply                ascii and binary, all vertex properties       binary, float64, every attribute
 .off                OFF; COFF's colours, NOFF's normals           17 digits
-.obj                faces, colours of vertices; groups joined     17 digits
+.obj                faces, colours of vertices; groups joined     17 digits, colours
 .stl                ascii and binary; equal corners are welded    binary, float32
-.glb, .gltf         the scene, colours; vertices are welded       .glb, float32
+.glb, .gltf         the scene, colours; vertices are welded       .glb, float32, narrow attributes
 .vert + .tri        TOSCA, from 1; either name or the stem        both files, 17 digits
 .mat                MATLAB 4 to 7: X, Y, Z (or VERT) with TRIV    ``surface`` with X, Y, Z, TRIV
-.vtk, .vtp, .vtu    polygons, strips, grids; point data           no
+.vtp, .vtu          polygons, strips, grids; point data           float64, every attribute
+.vtk                as .vtp                                       no
+.csv                no                                            a row for each vertex, every attribute
 .msh                Gmsh 2 and 4; node data are attributes        no
 .gii                GIFTI; further arrays are attributes          no
 lh.pial, rh.white   FreeSurfer, told by the first bytes           no
 ==================  ============================================  =======================================
 
-VTK's files need PyVista's extra, those below the extra ``files``.
+Reading VTK's files needs PyVista's extra, writing none; those below need the extra ``files``. Colours are the attribute
+``colors``, as bytes or from 0 to 1. In .glb they are linear, as glTF has them, and read as they stand.
 """
 
 from __future__ import annotations
@@ -31,12 +34,28 @@ import numpy as np
 
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.errors import MeshError, reason
-from qgeo_filters.io import brain_surfaces, gltf, grids, mat, obj, off, ply, stl, tosca
+from qgeo_filters.io import (
+    brain_surfaces,
+    gltf,
+    gltf_writing,
+    grids,
+    mat,
+    obj,
+    off,
+    ply,
+    stl,
+    tosca,
+    vertex_table,
+    vtk_xml,
+)
 from qgeo_filters.io.raw_mesh import RawMesh
 from qgeo_filters.io.single_precision import single_precision_note
+from qgeo_filters.io.vertex_colors import is_color
 
 Reader = Callable[[Path, bool], RawMesh]
-Writer = Callable[[Path, FloatArray, IntArray], None]
+BareWriter = Callable[[Path, FloatArray, IntArray], None]
+Writer = Callable[[Path, FloatArray, IntArray, Mapping[str, np.ndarray]], None]
+Kept = Callable[[str, np.ndarray], bool]
 
 _READERS: dict[str, Reader] = {
     ".ply": ply.read,
@@ -56,14 +75,30 @@ _READERS: dict[str, Reader] = {
 }
 #: Of files that are read. Of a TOSCA pair the one with the vertices stands for both.
 SUFFIXES = frozenset(_READERS) - {".tri"}
-_WRITERS: dict[str, Writer] = {
-    ".off": off.write,
-    ".obj": obj.write,
-    ".stl": stl.write,
-    ".glb": gltf.write,
-    ".vert": tosca.write_pair,
-    ".tri": tosca.write_pair,
-    ".mat": mat.write,
+
+
+def _bare(write: BareWriter) -> tuple[Writer, Kept]:
+    """A writer of positions and faces alone, as one that keeps no attribute."""
+    return lambda path, vertices, faces, _: write(path, vertices, faces), lambda name, values: False
+
+
+def _all(name: str, values: np.ndarray) -> bool:
+    return True
+
+
+# How each is written, and which attributes it keeps.
+_WRITERS: dict[str, tuple[Writer, Kept]] = {
+    ".ply": (ply.write, _all),
+    ".off": _bare(off.write),
+    ".obj": (obj.write, is_color),
+    ".stl": _bare(stl.write),
+    ".glb": (gltf_writing.write, gltf_writing.is_kept),
+    ".vert": _bare(tosca.write_pair),
+    ".tri": _bare(tosca.write_pair),
+    ".mat": _bare(mat.write),
+    ".vtp": (vtk_xml.write_polygons, _all),
+    ".vtu": (vtk_xml.write_cells, _all),
+    ".csv": (vertex_table.write, _all),
 }
 _SINGLE_PRECISION = (".stl", ".glb")
 
@@ -123,7 +158,7 @@ def write_raw(
     Parameters
     ----------
     path : path
-        PLY keeps everything and reads back bit by bit. The other formats hold no attributes.
+        PLY keeps everything and reads back bit by bit; what the others keep is in the table at the top.
     vertices : (n, 3) float64
     faces : (m, 3) int32
     attributes : mapping of str to array, shape (n,) or (n, ...), optional
@@ -136,28 +171,28 @@ def write_raw(
     Raises
     ------
     MeshError
-        An unknown suffix, an attribute that PLY cannot hold (text, objects), coordinates that float32 cannot
+        An unknown suffix, an attribute that is not of numbers where these are kept, coordinates that float32 cannot
         hold; the message starts with the path.
     OSError
         Where the file cannot be written.
     """
     file = Path(path)
     suffix = file.suffix.lower()
-    writer = _WRITERS.get(suffix)
     with path_in_errors(file):
-        if suffix == ".ply":
-            ply.write(file, vertices, faces, attributes or {})
-            return
-        if writer is None:
-            raise MeshError(f"unknown suffix {file.suffix!r}; written are .ply, {', '.join(_WRITERS)}")
+        if suffix not in _WRITERS:
+            raise MeshError(f"unknown suffix {file.suffix!r}; written are {', '.join(_WRITERS)}")
+        write, is_kept = _WRITERS[suffix]
         note = single_precision_note(vertices, faces) if suffix in _SINGLE_PRECISION else None
+    kept = {name: values for name, values in (attributes or {}).items() if is_kept(name, values)}
     # The level of warnings is that of who calls Surface.write.
     if note:
         warnings.warn(f"{file}: {note}", stacklevel=3)
-    if attributes:
-        names = ", ".join(map(repr, sorted(attributes)))
-        warnings.warn(f"{file}: {file.suffix} holds no attributes, dropped: {names} (write .ply)", stacklevel=3)
-    writer(file, vertices, faces)
+    if lost := sorted((attributes or {}).keys() - kept.keys()):
+        which = "attributes" if not kept else "such attributes"
+        names = ", ".join(map(repr, lost))
+        warnings.warn(f"{file}: {file.suffix} holds no {which}, dropped: {names} (write .ply)", stacklevel=3)
+    with path_in_errors(file):
+        write(file, vertices, faces, kept)
 
 
 @contextmanager

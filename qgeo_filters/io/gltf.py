@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters._typing import FloatArray, IntArray
-from qgeo_filters.atomic import atomic_write
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import MeshError
 from qgeo_filters.io.gltf_accessors import accessor_values, draco_primitive, is_draco
 from qgeo_filters.io.gltf_attributes import joined_attributes, vertex_attributes
@@ -64,15 +63,6 @@ def read(path: Path, repair: bool) -> RawMesh:
     attributes, dropped = joined_attributes(parts.attributes, index)
     faces = np.append(index, -1)[np.concatenate(parts.faces)]
     return RawMesh(points, faces, attributes, (*notes, *dropped))
-
-
-def write(path: Path, vertices: FloatArray, faces: IntArray) -> None:
-    """Write as binary glTF, in float32."""
-    import trimesh  # takes a while to load, and few write glTF
-
-    mesh = trimesh.Trimesh(vertices, faces, process=False, validate=False)
-    with atomic_write(path) as file:
-        file.write(mesh.export(file_type="glb"))
 
 
 def _add(document: Document, mesh: PlacedMesh, parts: _Parts, repair: bool) -> None:

@@ -9,6 +9,7 @@ none but MeshLab splits concave polygons rightly.
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from qgeo_filters.errors import MeshError
 from qgeo_filters.io.polygons import Polygons, triangulated
 from qgeo_filters.io.raw_mesh import RawMesh, counted
 from qgeo_filters.io.text_numbers import numbers_of, read_text, whole, without_comments
+from qgeo_filters.io.vertex_colors import COLORS, as_shade
 
 
 def read(path: Path, repair: bool) -> RawMesh:
@@ -31,10 +33,11 @@ def read(path: Path, repair: bool) -> RawMesh:
     return RawMesh(vertices, faces, attributes, losses + notes)
 
 
-def write(path: Path, vertices: FloatArray, faces: IntArray) -> None:
-    """Write as OBJ with 17 digits, which give back every bit."""
+def write(path: Path, vertices: FloatArray, faces: IntArray, attributes: Mapping[str, np.ndarray]) -> None:
+    """Write as OBJ with 17 digits, which give back every bit, and colours behind the positions."""
+    shades = [as_shade(attributes[COLORS])[:, :3]] if COLORS in attributes else []
     with atomic_write(path) as file:
-        np.savetxt(file, vertices, fmt="v %.17g %.17g %.17g")
+        np.savetxt(file, np.hstack([vertices, *shades]), fmt="v %.17g %.17g %.17g" + " %.6g %.6g %.6g" * len(shades))
         np.savetxt(file, faces.astype(np.int64) + 1, fmt="f %d %d %d")
 
 

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from qgeo_filters.errors import MeshError
+from qgeo_filters.io.vertex_colors import as_bytes, is_shade
 
 _MARK = "qgeo_attribute "
 _NATIVE = {"i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8"}
@@ -61,8 +62,8 @@ def columns_of_attributes(
             "count": len(properties),
         }
         shown = _COLORS[: table.shape[1]]
-        if name == "colors" and _is_shade(values) and not set(columns) & set(shown):
-            columns.update(zip(shown, _as_bytes(values).T, strict=True))
+        if name == "colors" and is_shade(values) and not set(columns) & set(shown):
+            columns.update(zip(shown, as_bytes(values).T, strict=True))
             entry["bytes"] = shown
         comments.append(_MARK + json.dumps(entry))
     return columns, comments
@@ -89,7 +90,7 @@ def attributes_of_columns(
         used.update(properties)
         if entry.bytes and set(entry.bytes) <= set(columns):
             shown = np.column_stack([columns[p] for p in entry.bytes])
-            if not np.array_equal(shown, _as_bytes(values)):
+            if not np.array_equal(shown, as_bytes(values)):
                 continue  # another program has painted it: its colours are the newer ones
             used.update(entry.bytes)
         attributes[entry.name] = values
@@ -138,16 +139,6 @@ def _property_names(name: str, values: np.ndarray, count: int, position: int, ta
         if not taken & set(names):
             return names
         base = f"{base}_{position}"
-
-
-def _is_shade(values: np.ndarray) -> bool:
-    """Whether these are colours from 0 to 1."""
-    of_colors = values.dtype.kind == "f" and values.shape[1:] in ((3,), (4,))
-    return of_colors and bool(np.all((values >= 0) & (values <= 1)))
-
-
-def _as_bytes(values: np.ndarray) -> np.ndarray:
-    return np.rint(values.astype(np.float64) * 255).astype(np.uint8)
 
 
 def _entry(comment: str) -> _Entry | None:

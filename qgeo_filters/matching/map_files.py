@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from dataclasses import MISSING, fields
-from io import StringIO
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -18,6 +16,7 @@ from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.io.formats import path_in_errors
 from qgeo_filters.io.number_files import saved_arrays, whole_numbers
+from qgeo_filters.io.vertex_table import table_text
 from qgeo_filters.matching.maps.barycentric import BarycentricMap
 from qgeo_filters.matching.match_log import LoggedMap, MatchLog
 from qgeo_filters.surface import Surface
@@ -44,15 +43,6 @@ def write_map_table(
     rows = zip(p2p.tolist(), barycentric.faces.tolist(), numbers.tolist(), strict=True)
     with atomic_write(path) as file:
         file.write(table_text(COLUMNS, ([i, v, *n[:3], f, *n[3:]] for i, (v, f, n) in enumerate(rows))))
-
-
-def table_text(header: Any, rows: Any) -> bytes:
-    """CSV of a header and rows; None is an empty cell, floats have the digits that give back every bit."""
-    out = StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(rows)
-    return out.getvalue().encode("utf-8", errors="backslashreplace")
 
 
 def arrays_of(result: Any) -> dict[str, np.ndarray]:

@@ -10,8 +10,9 @@ import numpy as np
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.animation.sequence import Animation
 from qgeo_filters.atomic import atomic_write
+from qgeo_filters.io.gltf_writing import colored_mesh
 from qgeo_filters.report.film import checked_seconds
-from qgeo_filters.report.glb import colored_mesh, placed_beside
+from qgeo_filters.report.glb import placed_beside
 from qgeo_filters.report.reel import Reel, reels
 from qgeo_filters.report.view import View
 

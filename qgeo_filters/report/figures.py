@@ -22,8 +22,9 @@ from qgeo_filters.report.colors import (
     sequential,
 )
 from qgeo_filters.report.glyphs import ball, tube
-from qgeo_filters.report.maps import SIDE_COLORS, view_alike
+from qgeo_filters.report.maps import view_alike
 from qgeo_filters.report.panels import Panel, panel_figure
+from qgeo_filters.report.shown import SIDES, labels_of, scale_of
 from qgeo_filters.report.view import View, best_view
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_index
@@ -48,7 +49,6 @@ __all__ = [
 
 MARK = (0.86, 0.11, 0.16)
 _LINES = 18
-_MOST_REGIONS = 24
 
 
 def plot_scalar(
@@ -74,10 +74,7 @@ def plot_scalar(
     """
     surface = as_surface(surface)
     values = np.asarray(values, dtype=np.float64)
-    finite = values[np.isfinite(values)]
-    if signed is None:
-        signed = bool(finite.size) and float(finite.min()) < 0 < float(finite.max())
-    scale = diverging(values) if signed else sequential(values)
+    scale = scale_of(values, signed)
     panel = Panel(surface, view or _view_of(surface), options={"values": values, "scale": scale})
     return panel_figure([panel], width=4.2, scale=scale, scale_label=label)
 
@@ -118,12 +115,11 @@ def plot_attribute(
         return plot_symmetry(surface, p2p=values, title=name, view=view)
     values = np.asarray(values).reshape(surface.n_vertices, -1)
     view = view or _view_of(surface)
-    if values.shape[1] == 1 and values.dtype.kind in "bi" and len(np.unique(values)) <= _MOST_REGIONS:
-        kinds, labels = np.unique(values[:, 0].astype(np.int64), return_inverse=True)
-        if kinds[0] == -1 and kinds[-1] == 1:  # two sides, and what lies between them
-            options = {"labels": values[:, 0].astype(np.int64) + 1, "colors": SIDE_COLORS[[1, 2, 0]]}
-            return panel_figure([Panel(surface, view, name, options)], width=4.2)
-        options = {"labels": np.where(kinds[labels] < 0, -1, labels), "colors": distinct(len(kinds))}
+    if values.shape[1] == 1 and (regions := labels_of(values[:, 0])):
+        numbers = values[:, 0].astype(np.int64)
+        options = {"labels": regions[0], "colors": distinct(regions[1])}
+        if numbers.min() == -1 and numbers.max() == 1:  # two sides, and what lies between them
+            options = {"labels": numbers + 1, "colors": SIDES[[1, 2, 0]]}
         return panel_figure([Panel(surface, view, name, options)], width=4.2)
     if values.shape[1] == 1:
         return plot_scalar(surface, values[:, 0], name, view=view)

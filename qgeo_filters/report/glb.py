@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from os import PathLike
-from typing import Any
 
 import numpy as np
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.atomic import atomic_write
+from qgeo_filters.io.gltf_writing import colored_mesh
 from qgeo_filters.io.landmarks import Landmarks
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.report.colors import MISSING, ordered_colors, position_colors
@@ -81,18 +81,6 @@ def write_match_glb(
         file.write(content)
 
 
-def colored_mesh(vertices: FloatArray, faces: np.ndarray, colors: FloatArray, normals: FloatArray | None = None) -> Any:
-    """Mesh of trimesh's with a dull material and a colour for each vertex."""
-    import trimesh
-
-    material = trimesh.visual.material.PBRMaterial(
-        baseColorFactor=[255, 255, 255, 255], metallicFactor=0.0, roughnessFactor=0.8, doubleSided=True
-    )
-    visual = trimesh.visual.TextureVisuals(material=material)
-    visual.vertex_attributes["color"] = _linear_bytes(colors)
-    return trimesh.Trimesh(vertices, faces, vertex_normals=normals, visual=visual, process=False, validate=False)
-
-
 def placed_beside(points: FloatArray, view: View, unit: float, side: float) -> FloatArray:
     """Placement (4, 4) of points: seen as in a view, of that unit, left (-1), right (1) of the origin, or there (0)."""
     turned = points @ view.axes.T / unit
@@ -103,9 +91,3 @@ def placed_beside(points: FloatArray, view: View, unit: float, side: float) -> F
     placement[:3, :3] = view.axes / unit
     placement[:3, 3] = shift
     return placement
-
-
-def _linear_bytes(colors: FloatArray) -> np.ndarray:
-    """RGBA, 8 bit, (n, 4), of sRGB colours in [0, 1]: glTF's colours of vertices are linear."""
-    linear = np.where(colors <= 0.04045, colors / 12.92, ((colors + 0.055) / 1.055) ** 2.4)
-    return np.column_stack([np.round(255 * linear), np.full(len(colors), 255)]).astype(np.uint8)

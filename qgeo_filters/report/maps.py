@@ -7,18 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
-from scipy.spatial import cKDTree
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
-from qgeo_filters.report.colors import distinct, position_colors
+from qgeo_filters.report.colors import distinct
 from qgeo_filters.report.panels import Panel, panel_figure
+from qgeo_filters.report.shown import SIDES, pose_colors
 from qgeo_filters.report.view import View, best_view
 from qgeo_filters.surface import Surface
 
-#: Colours of the two sides, and of the axis between them.
-SIDE_COLORS = np.array([[0.45, 0.62, 0.85], [0.95, 0.76, 0.45], [0.75, 0.12, 0.18]])
 _TURNS = (0.0, 180.0, 60.0, -60.0, 120.0, -120.0)  # degrees
 
 
@@ -55,7 +53,7 @@ def plot_sides(surface: SurfaceLike, side: npt.ArrayLike, *, view: View | None =
     sides = np.asarray(side)
     if sides.shape != (surface.n_vertices,) or not np.isin(sides, (-1, 0, 1)).all():
         raise ParameterError(f"side must be -1, 0 or 1 for each of the {surface.n_vertices} vertices")
-    options = {"labels": np.where(sides == 0, 2, (1 - sides) // 2).astype(np.int64), "colors": SIDE_COLORS}
+    options = {"labels": np.where(sides == 0, 2, (1 - sides) // 2).astype(np.int64), "colors": SIDES}
     view = view or best_view(surface.vertices, surface.faces)
     return panel_figure([Panel(surface, turned, options=options) for turned in (view, view.turned(180.0))])
 
@@ -120,14 +118,13 @@ def plot_poses(
     if not poses:
         raise ParameterError("there are no poses to be drawn")
     camera = view or best_view(poses[0].vertices, poses[0].faces)
-    rooms = _equal_rooms(poses, camera)
-    colors = position_colors(poses[0].vertices, camera.axes)
     titles = list(names) or [""] * len(surfaces)
-    panels = []
-    for surface, image, room, title in zip(poses, maps, rooms, titles, strict=True):
-        reached, number = np.unique(np.asarray(image), return_index=True)
-        nearest = cKDTree(surface.vertices[reached]).query(surface.vertices)[1]
-        panels.append(Panel(surface, camera, title, {"colors": colors[number[nearest]], "shown": room}))
+    panels = [
+        Panel(surface, camera, title, {"colors": colors, "shown": room})
+        for surface, colors, room, title in zip(
+            poses, pose_colors(poses, maps, camera), _equal_rooms(poses, camera), titles, strict=True
+        )
+    ]
     return panel_figure(panels, columns=columns)
 
 

@@ -9,9 +9,11 @@ import numpy as np
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.animation.sequence import Animation
 from qgeo_filters.animation.transfer import Transfer
+from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.report.colors import MISSING, position_colors
 from qgeo_filters.report.render import CLAY, Image, render_mesh
 from qgeo_filters.report.view import View, best_view
+from qgeo_filters.surface import Surface
 
 _WIDEST, _NARROWEST = 2.2, 0.5
 
@@ -68,7 +70,12 @@ def reels(animation: Animation, names: tuple[str, str] = ("X", "Y"), view: View 
         return [Reel(names[-1], animation, np.tile(CLAY, (surface.n_vertices, 1)), view)]
     source = animation.source
     view = view or best_view(source.positions[0], source.surface.faces)
-    of_x = position_colors(source.surface.vertices, view.axes)
-    of_y = animation.place.pulled_back(of_x)
-    of_y = np.where(np.isnan(of_y), MISSING, np.clip(of_y, 0.0, 1.0))
+    of_x, of_y = transfer_colors(source.surface, animation.place, view)
     return [Reel(names[0], source, of_x, view), Reel(names[1], animation, of_y, view)]
+
+
+def transfer_colors(x: Surface, place: BarycentricMap, view: View | None = None) -> tuple[FloatArray, FloatArray]:
+    """Colours of the vertices of X by their place, and of those of Y, that of their point of X; grey without one."""
+    of_x = position_colors(x.vertices, (view or best_view(x.vertices, x.faces)).axes)
+    of_y = place.pulled_back(of_x)
+    return of_x, np.where(np.isnan(of_y), MISSING, np.clip(of_y, 0.0, 1.0))

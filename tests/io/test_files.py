@@ -59,7 +59,8 @@ def test_both_files_of_a_pair_are_written_and_any_name_reads_them(tmp_path):
 
 @pytest.mark.parametrize("suffix", [".off", ".obj", ".stl", ".vert", ".mat", ".glb"])
 def test_attributes_are_dropped_aloud(tmp_path, suffix):
-    surface = SURFACE.with_attributes({"b": V, "a": V})
+    wide = np.full((len(V), 5), np.nan)
+    surface = SURFACE.with_attributes({"b": wide, "a": wide})
     with pytest.warns(UserWarning, match=rf"{suffix} holds no attributes, dropped: 'a', 'b' \(write .ply\)") as caught:
         surface.write(tmp_path / f"shape{suffix}")
     assert caught[0].filename == __file__  # the line of the caller, not one of ours
