@@ -4,6 +4,7 @@
 #   test [OPTIONS]   lint, types and tests; options go to pytest
 #   coverage         all tests, and how much of the code they ran: a quarter longer, so not part of the gate
 #   dist             wheel and source distribution, checked, and the wheel used in bare environments: a few minutes
+#   oldest [TESTS]   some tests on the lowest versions that pyproject.toml admits, in an environment of their own
 #   docs [OPTIONS]   the pages of docs/, into docs/_build/html; options go to Sphinx (-D plot_gallery=0 runs no example)
 #   setup EXTRA      only the environment, with this extra of pyproject.toml (all, test, docs)
 # PYTHON chooses the interpreter (3.11 to 3.13), VENV the folder of the environment, QGEO_TEST_SEED the order of the tests
@@ -97,6 +98,12 @@ dist)
     "$bin/python" -m pip install -q --disable-pip-version-check "build>=1.2" "twine>=6"
     exec "$bin/python" .ci/distributions.py "$@"
     ;;
+oldest)
+    shift
+    python=$(find_python)
+    system_libraries "$python" all
+    exec "$python" .ci/oldest.py "$@"
+    ;;
 docs)
     shift
     setup docs
@@ -107,7 +114,7 @@ setup)
     setup "${2:-all}"
     ;;
 *)
-    sed -n '2,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
+    sed -n '2,11s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
     exit 2
     ;;
 esac

@@ -26,6 +26,7 @@ PICTURES = "https://raw.githubusercontent.com/qgeo-filters/qgeo-filters"
 IN_WHEEL = [
     "qgeo_filters/py.typed",
     "qgeo_filters/__main__.py",
+    "qgeo_filters/cli/result.schema.json",
     "qgeo_widgets/py.typed",
     "qgeo_widgets/page/page.html",
     "qgeo_widgets/static/renderer.js",

@@ -9,6 +9,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
+# Commands keep results in the user's cache: not those of tests, in this process and in those that it starts.
+os.environ["QGEO_CACHE_DIR"] = ""
+
 
 def shared_data() -> Path:
     """Folder of the evaluation data: $QGEO_DATA, or ../shared/data beside the checkout."""
