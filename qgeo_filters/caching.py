@@ -100,7 +100,8 @@ class StageCache:
         Folder in which results are kept as well, as joblib files, written atomically. Loading a joblib file can run
         code that is in it: use folders that only you write to.
     max_disk_bytes : int, default 20 GiB
-        Bound of the folder.
+        Bound of the folder; a result that is larger on its own is not kept there, nor one for which there is no room,
+        which is logged.
     """
 
     def __init__(
@@ -267,8 +268,15 @@ class StageCache:
         path = self._file(key)
         if path is None:
             return
-        with atomic_path(path) as temporary:
-            _write(temporary, value)
+        if size_in_bytes(value) > self.max_disk_bytes:
+            _log.debug("%s: larger than the bound of the folder, not kept there", key)
+            return
+        try:
+            with atomic_path(path) as temporary:
+                _write(temporary, value)
+        except OSError as error:  # a full disk, a folder that went away: the result itself is there
+            _log.warning("%s cannot be kept in %s: %s", key.partition("-")[0], self.directory, error)
+            return
         self._shrink_folder(path)
 
     def _shrink_folder(self, newest: Path | None = None) -> None:

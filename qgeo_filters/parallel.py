@@ -152,7 +152,8 @@ def watched(watcher: Watcher) -> Iterator[None]:
         _watcher.reset(token)
 
 
-def _report(step: str, done: int, total: int) -> None:
+def report_progress(step: str, done: int, total: int) -> None:
+    """Tell whoever watches this thread how much of a step is done."""
     watcher = _watcher.get()
     if watcher is not None:
         watcher(step, done, total)
@@ -182,14 +183,14 @@ def in_threads(
                 for item in chosen:
                     results.append(function(item))
                     bar.update()
-                    _report(description or "step", len(results), len(chosen))
+                    report_progress(description or "step", len(results), len(chosen))
             return results
         with _pool(min(threads, len(chosen))) as pool:
             try:
                 for result in pool.map(function, chosen):
                     results.append(result)
                     bar.update()
-                    _report(description or "step", len(results), len(chosen))
+                    report_progress(description or "step", len(results), len(chosen))
             except BaseException:
                 pool.shutdown(wait=True, cancel_futures=True)
                 raise
@@ -235,7 +236,7 @@ def run_tasks(
                     finished(part_of[future])
                 bar.update()
                 done += 1
-                _report("distances", done, before + len(parts))
+                report_progress("distances", done, before + len(parts))
         except BaseException:
             pool.shutdown(wait=True, cancel_futures=True)
             raise

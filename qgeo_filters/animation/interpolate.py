@@ -15,7 +15,7 @@ from qgeo_filters.animation.sequence import Animation
 from qgeo_filters.deformation.interpolation import InterpolationPath
 from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_given
-from qgeo_filters.parallel import default_workers, single_threaded_blas
+from qgeo_filters.parallel import default_workers, report_progress, single_threaded_blas
 from qgeo_filters.surface import Surface
 
 # Below which the mesh of X keeps its shape rather than follow the map onto Y, in sqrt(area).
@@ -96,7 +96,10 @@ def interpolate(
             if places is not None:
                 notes += places.notes + places.doubts
                 doubts += places.doubts
-        frames = list(tqdm(_frames(start, ends, times), total=len(times), desc="frames", disable=not progress))
+        frames: list[FloatArray] = []
+        for frame in tqdm(_frames(start, ends, times), total=len(times), desc="frames", disable=not progress):
+            frames.append(frame)
+            report_progress("frame", len(frames), len(times))
     warned(doubts)
     return Animation(start, np.stack(frames), times, notes)
 

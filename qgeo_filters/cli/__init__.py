@@ -49,7 +49,10 @@ def qgeo(
     """Curvature-guided quasi-geodesics of triangle meshes, their spectrum and symmetry.
 
     Every command writes result.json (numbers and parameters), result.npz (arrays), the mesh as PLY with its
-    attributes, PNG pictures and report.html into a folder.
+    attributes, coloured as in the pictures, PNG pictures and report.html into a folder of its own.
+
+    What is expensive is kept for later commands on the same meshes, in the user's cache folder, up to 4 GiB
+    (--no-cache, QGEO_CACHE_DIR).
     """
     if context.invoked_subcommand is None:
         typer.echo(context.get_help())

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from qgeo_filters.cli.options import Json, Output, Pictures, Quiet, Settings
+from qgeo_filters.cli.options import Also, Json, Output, Pictures, Quiet, Settings
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.io.landmarks import Frame
 
@@ -88,7 +88,7 @@ def landmarks(
     job = Job("collection landmarks", settings, parameters, inputs=[marks], pictures=["landmarks"], texts=[_TABLE])
     job.subject = f"{len(given.names)} landmarks of {on} on {len(collection)} shapes"
     with job.stage("match"):
-        _match_from(collection, on, maps, workers, job.progress)
+        _match_from(collection, on, maps, workers)
     with job.stage("carry"):
         found = collection.landmarks(given, on, how=maps)
     points = np.stack([one.points for one in found.values()])
@@ -118,6 +118,7 @@ def common(
     workers: Processes = None,
     output: Output = None,
     pictures: Pictures = True,
+    also: Also = None,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -130,7 +131,9 @@ def common(
 
     from qgeo_filters.cli.job import Job
     from qgeo_filters.collection.shape_model import shape_model
+    from qgeo_filters.report.colors import position_colors
     from qgeo_filters.report.maps import plot_poses
+    from qgeo_filters.report.shown import Shown
     from qgeo_filters.report.view import best_view
 
     collection = _collection(store, kept)
@@ -149,12 +152,13 @@ def common(
         "maps": maps,
         "scale": scale,
     }
-    files = [f"{name}.ply" for name in (*names, "mean", *extremes)]
-    settings = Settings(output, quiet, json, pictures=pictures)
-    job = Job("collection common", settings, parameters, pictures=["shapes", "modes"], texts=files)
+    settings = Settings(output, quiet, json, pictures=pictures, also=also)
+    job = Job(
+        "collection common", settings, parameters, pictures=["shapes", "modes"], meshes_made=[*names, "mean", *extremes]
+    )
     job.subject = f"{len(names)} shapes with the triangles of {template}"
     with job.stage("match"):
-        _match_from(collection, template, maps, workers, job.progress)
+        _match_from(collection, template, maps, workers)
     with job.stage("remesh"):
         found = collection.common(template, how=maps, accept_unsure=accept_unsure)
     with job.stage("model"):
@@ -163,9 +167,11 @@ def common(
     arrays = {name: getattr(model, name) for name in ("modes", "variance", "explained", "scores")}
     job.save(results, {"positions": found.positions, **arrays, "shapes": np.array(names)})
     model_meshes = {"mean": model.mean} | {name: model.mode(*place) for name, place in extremes.items()}
-    for name, mesh in ({name: found[name] for name in names} | model_meshes).items():
-        with job.file(f"{name}.ply") as temporary:
-            mesh.write(temporary)
+    body = found.template
+    colors = position_colors(body.vertices, best_view(body.vertices, body.faces).axes)
+    job.write_meshes({name: Shown(colors).on(found[name]) for name in names})
+    changes = {name: np.linalg.norm(mesh.vertices - model.mean.vertices, axis=1) for name, mesh in model_meshes.items()}
+    job.write_meshes({name: Shown(colors, changes[name]).on(mesh) for name, mesh in model_meshes.items()})
     same = np.arange(found.template.n_vertices)
 
     def plot(some: dict[str, Surface], view: View | None = None) -> Figure:
@@ -190,11 +196,11 @@ def _collection(place: Path, kept: Path) -> Collection:
     return Collection.open(place) if (place / METADATA).exists() or not place.exists() else Collection(place, kept)
 
 
-def _match_from(collection: Collection, name: str, maps: str, workers: int | None, progress: bool) -> None:
+def _match_from(collection: Collection, name: str, maps: str, workers: int | None) -> None:
     """Match what the maps from one shape need: it with all others, or all pairs."""
     collection.surface(name)  # raises where there is none
     some = [(x, y) for x, y in itertools.combinations(collection.names, 2) if maps != "matched" or name in (x, y)]
-    collection.match(some, workers=workers, progress=progress)
+    collection.match(some, workers=workers)
 
 
 def _unsure(collection: Collection, name: str) -> list[str]:

@@ -54,7 +54,8 @@ def report(
     parameters = {"store": str(store), "pages": pages, **collection.settings.to_json()}
     settings = Settings(output, quiet, json, pictures=pictures)
     drawn = _collection_pictures(collection)
-    job = Job("collection report", settings, parameters, pictures=drawn, texts=(_TABLE, *names.values()))
+    texts = (_TABLE, *names.values())
+    job = Job("collection report", settings, parameters, pictures=drawn, texts=texts, about=[store.stem])
     job.subject = f"{len(collection)} shapes in {store}"
     squares = _squares(collection)
     _save(job, collection, squares)

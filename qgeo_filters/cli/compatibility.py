@@ -8,7 +8,9 @@ from typing import Annotated
 
 import typer
 
+from qgeo_filters.cli.kept import Cache
 from qgeo_filters.cli.options import (
+    Also,
     Force,
     Json,
     Output,
@@ -35,10 +37,12 @@ def compatibility(
     k: Count = EIGENPAIRS,
     curvature_weight: Weight = CURVATURE_WEIGHT,
     workers: Workers = None,
+    cache: Cache = True,
     output: Output = None,
     repair: Repair = None,
     force: Force = False,
     pictures: Pictures = True,
+    also: Also = None,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -55,15 +59,17 @@ def compatibility(
     from qgeo_filters.report.curves import plot_pairwise
     from qgeo_filters.report.html import Table
     from qgeo_filters.report.maps import plot_poses
+    from qgeo_filters.report.shown import Shown, pose_colors
+    from qgeo_filters.report.view import best_view
 
     mend = repair_option(repair, force)
     parameters = {"baselines": list(baselines), "k": k, "curvature_weight": curvature_weight, "repair": mend}
-    settings = Settings(output, quiet, json, mend, pictures)
+    settings = Settings(output, quiet, json, mend, pictures, also)
     called = [f"surfaces[{index}]" for index in range(len(meshes))]
     job = Job("compatibility", settings, parameters, meshes, names=called, pictures=("poses", "c_xy"))
     poses = job.read()
     with job.stage("compatibility"):
-        found = compatibility_of(poses, baselines, k=k, curvature_weight=curvature_weight, progress=job.progress)
+        found = compatibility_of(poses, baselines, k=k, curvature_weight=curvature_weight)
     first = found.baselines[0]
     arrays = {
         "d_s": np.float64(found.d_s),
@@ -83,7 +89,9 @@ def compatibility(
         "c_xy_of_the_baselines": float(found.c_xy[found.baselines]),
         "maps": "equal vertex numbers" if one_mesh else "found by match",
     }
-    job.save(results, arrays, *poses)
+    view = best_view(poses[first].vertices, poses[first].faces)
+    colors = pose_colors([poses[first], *poses], [found.maps[first], *found.maps], view)[1:]
+    job.save(results, arrays, *poses, shown=[Shown(of_pose) for of_pose in colors])
     names = [as_title(name) for name in job.names]
     shown = list(dict.fromkeys([found.baselines[0], *range(len(poses))]))[:_MOST_POSES]
     titles = [f"{names[p]} (baseline)" if p in found.baselines else names[p] for p in shown]

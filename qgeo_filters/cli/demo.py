@@ -6,6 +6,7 @@ import importlib.util
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from qgeo_filters.cli.kept import Cache
 from qgeo_filters.cli.options import Json, Output, Quiet, Settings, Workers
 from qgeo_filters.cli.symmetry import SYMMETRY_PICTURES
 from qgeo_filters.defaults import EIGENPAIRS, SYMMETRY_K0
@@ -20,7 +21,9 @@ _SOURCES = 5
 _PICTURES = ("eigenfunctions", "distance_matrix", *SYMMETRY_PICTURES, "distance_field", "scalar", "spectrum")
 
 
-def demo(workers: Workers = None, output: Output = None, json: Json = False, quiet: Quiet = False) -> None:
+def demo(
+    workers: Workers = None, cache: Cache = True, output: Output = None, json: Json = False, quiet: Quiet = False
+) -> None:
     """Run everything on PyMeshLab's cow and compare distances with libigl's exact ones; needs no network.
 
     result.npz: distances (n, n), eigenvalues (k,), eigenfunctions (n, k), symmetry (n,), side (n,), asymmetry (n,),
@@ -29,11 +32,12 @@ def demo(workers: Workers = None, output: Output = None, json: Json = False, qui
     import numpy as np
 
     import qgeo_filters as qg
-    from qgeo_filters.caching import cache
+    from qgeo_filters.caching import cache as stage_cache
     from qgeo_filters.cli.job import Job
     from qgeo_filters.cli.spectral import eigenvalue_table, spectrum_results
     from qgeo_filters.cli.symmetry import (
         draw_symmetry,
+        shown_symmetry,
         symmetry_arrays,
         symmetry_attributes,
         symmetry_measure,
@@ -49,16 +53,16 @@ def demo(workers: Workers = None, output: Output = None, json: Json = False, qui
     descriptor = qg.QuasiGeodesicSpectrum(k=EIGENPAIRS)
     pipeline = qg.DifferentialCoordinates() | qg.CorrectedNormals() | qg.SurfaceScalar() | descriptor
     parameters = {type(step).__name__: step.get_params() for step in pipeline.steps}
-    job = Job("demo", Settings(output, quiet, json), parameters, [cow()], pictures=_PICTURES)
+    job = Job("demo", Settings(output, quiet, json), parameters, [cow()], pictures=_PICTURES, about=())
     (surface,) = job.read()
-    with cache.held():  # the stages of the pipeline are asked for again below
+    with stage_cache.held():  # the stages of the pipeline are asked for again below
         with job.stage("pipeline"):
-            described = pipeline(surface, progress=job.progress)
+            described = pipeline(surface)
         matrix = stages.matrix_of(descriptor.metric_, descriptor.method, descriptor.accuracy)
         with job.stage("distances of weight 0"):
-            plain = stages.matrix_of(cartesian_metric(surface), "graph", 1e-3, job.progress)
+            plain = stages.matrix_of(cartesian_metric(surface), "graph", 1e-3)
         with job.stage("symmetry"):
-            found = stages.symmetry_of(surface, job.progress)
+            found = stages.symmetry_of(surface)
     with job.stage("exact distances (libigl)"):
         errors = errors_against_exact(surface, plain)
     spectrum = descriptor.spectrum_
@@ -83,7 +87,8 @@ def demo(workers: Workers = None, output: Output = None, json: Json = False, qui
         "eigenfunctions": spectrum.eigenfunctions,
         **symmetric,
     }
-    job.save(results, arrays, described.with_attributes(symmetry_attributes(symmetric, found)))
+    shown = shown_symmetry(surface, symmetric, found)
+    job.save(results, arrays, described.with_attributes(symmetry_attributes(symmetric, found)), shown=[shown])
     view = best_view(surface.vertices, surface.faces)
     job.picture(
         "eigenfunctions",

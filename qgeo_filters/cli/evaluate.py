@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from qgeo_filters.cli.kept import Cache
 from qgeo_filters.cli.options import Json, Output, Pictures, Quiet, Settings, Workers
 from qgeo_filters.errors import ParameterError
 
@@ -51,6 +52,7 @@ def evaluate(
         int, typer.Option("--processes", metavar="N", help="Pairs at a time, each in a process of one thread.", min=1)
     ] = 1,
     workers: Workers = None,
+    cache: Cache = True,
     output: Output = None,
     pictures: Pictures = True,
     json: Json = False,
@@ -89,6 +91,7 @@ def evaluate(
         inputs=data.files.values(),
         pictures=("error_curve", "worst_map"),
         texts=("table.md",),
+        about=(dataset, *(() if what == "match" else (what,))),
     )
     job.subject = f"{what} on {dataset}"
     store = PairStore(job.folder / "pairs")
@@ -105,7 +108,7 @@ def evaluate(
                     typer.echo(f"qgeo: {outcome.name}: {outcome.reason}", err=True)
                 else:
                     found.append(outcome)
-                    if job.progress:
+                    if job.shows_progress:
                         typer.echo(f"  {outcome.name}: mean error {outcome.errors.direct.mean():.4f}", err=True)
     if not found:
         raise failures[0].error if failures else ParameterError(f"{root}: no two shapes of one category")

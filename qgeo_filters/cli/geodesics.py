@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from qgeo_filters.cli.kept import Cache
 from qgeo_filters.cli.options import (
     Accuracy,
+    Also,
     Force,
     Json,
     MeshFile,
+    MeshFiles,
     Method,
     Output,
     Pictures,
@@ -39,7 +42,7 @@ _FIELDS = 6
 
 
 def distances(
-    mesh: MeshFile,
+    meshes: MeshFiles,
     sources: Annotated[
         str, typer.Option("-s", "--sources", metavar="VERTICES", help="Measure from these only, as 0,17,42.")
     ] = "",
@@ -58,10 +61,12 @@ def distances(
     method: Method = "graph",
     accuracy: Accuracy = 1e-3,
     workers: Workers = None,
+    cache: Cache = True,
     output: Output = None,
     repair: Repair = None,
     force: Force = False,
     pictures: Pictures = True,
+    also: Also = None,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -73,11 +78,13 @@ def distances(
     """
     import numpy as np
 
+    from qgeo_filters.cli.in_turn import in_turn
     from qgeo_filters.cli.job import Job
     from qgeo_filters.filters import stages
     from qgeo_filters.geodesics.matrix import distance_matrix
     from qgeo_filters.geodesics.matrix import distances as distances_from
     from qgeo_filters.report.figures import plot_distance_field, plot_distance_matrix, plot_scalar
+    from qgeo_filters.report.shown import Shown
 
     chosen = _indices(sources)
     mend = repair_option(repair, force)
@@ -91,71 +98,78 @@ def distances(
         "accuracy": accuracy,
         "repair": mend,
     }
+    if matrix is not None and (len(meshes) > 1 or meshes[0].is_dir()):
+        raise ParameterError("--matrix is the file of one mesh: name no more, and no folder")
     if chosen and matrix is not None:
         raise ParameterError("--matrix holds the distances between all pairs: leave out --sources, or --matrix")
     drawn = [f"distance_{vertex}" for vertex in chosen[:_FIELDS]] or ["distance_matrix", "mean_distance"]
-    job = Job(
-        "distances",
-        Settings(output, quiet, json, mend, pictures),
-        parameters,
-        [mesh],
-        inputs=[] if matrix is None else [matrix],
-        pictures=drawn,
-    )
-    (surface,) = job.read("all")
-    n = surface.n_vertices
-    if chosen:
-        with job.about():
-            there = job.vertices(chosen, "sources")
-    elif matrix is None and 4 * n * n > LARGEST_MATRIX:
-        raise ParameterError(
-            f"all pairs of {n} vertices would take {4e-9 * n * n:.0f} GB of memory; choose vertices with --sources, or "
-            "write the matrix to disk with --matrix FILE.zarr"
+
+    def one(mesh: Path, settings: Settings) -> None:
+        job = Job(
+            "distances",
+            settings,
+            parameters,
+            [mesh],
+            inputs=[] if matrix is None else [matrix],
+            pictures=drawn,
         )
-    with job.stage("metric"):
-        metric = stages.metric_of(surface, scalar, curvature_weight, smoothing)
-    field: Any  # an array, or one on disk
-    with job.stage("distances"):
+        (surface,) = job.read("all")
+        n = surface.n_vertices
         if chosen:
-            field = distances_from(surface, there, metric, method, accuracy=accuracy, progress=job.progress)
-        elif matrix is None:
-            field = stages.matrix_of(metric, method, accuracy, job.progress)
+            with job.about():
+                there = job.vertices(chosen, "sources")
+        elif matrix is None and 4 * n * n > LARGEST_MATRIX:
+            raise ParameterError(
+                f"all pairs of {n} vertices would take {4e-9 * n * n:.0f} GB of memory; choose vertices with "
+                "--sources, or write the matrix to disk with --matrix FILE.zarr"
+            )
+        with job.stage("metric"):
+            metric = stages.metric_of(surface, scalar, curvature_weight, smoothing)
+        field: Any  # an array, or one on disk
+        with job.stage("distances"):
+            if chosen:
+                field = distances_from(surface, there, metric, method, accuracy=accuracy)
+            elif matrix is None:
+                field = stages.matrix_of(metric, method, accuracy)
+            else:
+                field = distance_matrix(surface, metric, method, accuracy=accuracy, out=matrix)
+        results, centrality = _measured(field)
+        if matrix is None:
+            given = job.on_given(field, axis=1)
+            arrays = {"distances": given if chosen else job.on_given(given)}
         else:
-            field = distance_matrix(surface, metric, method, accuracy=accuracy, out=matrix, progress=job.progress)
-    results, centrality = _measured(field)
-    if matrix is None:
-        given = job.on_given(field, axis=1)
-        arrays = {"distances": given if chosen else job.on_given(given)}
-    else:
-        arrays = {"mean_distance": job.on_given(centrality)}
-        if job.repairs[0] is not None:  # rows and columns of the matrix are the repaired mesh's
-            arrays["vertex_of_original"] = job.repairs[0].vertex_of_original
-    if chosen:
-        attributes = {"qgeo_distance": field[0] if len(chosen) == 1 else field.T}
-        arrays["sources"] = np.array(chosen)
-    else:
-        attributes = {"qgeo_mean_distance": centrality}
-    job.save(results, arrays, surface.with_attributes(attributes))
-    for index, vertex in enumerate(chosen[:_FIELDS]):
-        job.picture(
-            f"distance_{vertex}",
-            f"Distance from vertex {vertex} (red), with lines of equal distance.",
-            partial(plot_distance_field, surface, field[index], there[index]),
-        )
-    if not chosen and matrix is None:
-        job.picture(
-            "distance_matrix",
-            "The matrix of all distances (paper, Fig. 1), its rows in an order in which neighbours on the surface stay "
-            "together; the strip's colours say where on the surface a row is.",
-            lambda: plot_distance_matrix(field, surface),
-        )
-    if not chosen:
-        job.picture(
-            "mean_distance",
-            "Mean distance of each vertex to all others: small in the middle of the shape, large at its ends.",
-            lambda: plot_scalar(surface, centrality, "mean distance (mesh units)"),
-        )
-    job.finish()
+            arrays = {"mean_distance": job.on_given(centrality)}
+            if job.repairs[0] is not None:  # rows and columns of the matrix are the repaired mesh's
+                arrays["vertex_of_original"] = job.repairs[0].vertex_of_original
+        if chosen:
+            attributes = {"qgeo_distance": field[0] if len(chosen) == 1 else field.T}
+            arrays["sources"] = np.array(chosen)
+        else:
+            attributes = {"qgeo_mean_distance": centrality}
+        shown = Shown.of_values(field.min(axis=0) if chosen else centrality)
+        job.save(results, arrays, surface.with_attributes(attributes), shown=[shown])
+        for index, vertex in enumerate(chosen[:_FIELDS]):
+            job.picture(
+                f"distance_{vertex}",
+                f"Distance from vertex {vertex} (red), with lines of equal distance.",
+                partial(plot_distance_field, surface, field[index], there[index]),
+            )
+        if not chosen and matrix is None:
+            job.picture(
+                "distance_matrix",
+                "The matrix of all distances (paper, Fig. 1), its rows in an order in which neighbours on the surface "
+                "stay together; the strip's colours say where on the surface a row is.",
+                lambda: plot_distance_matrix(field, surface),
+            )
+        if not chosen:
+            job.picture(
+                "mean_distance",
+                "Mean distance of each vertex to all others: small in the middle of the shape, large at its ends.",
+                lambda: plot_scalar(surface, centrality, "mean distance (mesh units)"),
+            )
+        job.finish()
+
+    in_turn(meshes, Settings(output, quiet, json, mend, pictures, also), one, "distances")
 
 
 def _measured(field: Any) -> tuple[dict[str, Any], np.ndarray]:
@@ -198,10 +212,13 @@ def path(
     curvature_weight: Weight = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
     smoothing: Smoothing = 0.0,
+    workers: Workers = None,
+    cache: Cache = True,
     output: Output = None,
     repair: Repair = None,
     force: Force = False,
     pictures: Pictures = True,
+    also: Also = None,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -214,7 +231,9 @@ def path(
     from qgeo_filters.cli.job import Job
     from qgeo_filters.filters import stages
     from qgeo_filters.geodesics.path.paths import quasi_geodesic
-    from qgeo_filters.report.figures import plot_path, plot_path_curvature
+    from qgeo_filters.report.colors import MISSING
+    from qgeo_filters.report.figures import MARK, plot_path, plot_path_curvature
+    from qgeo_filters.report.shown import Shown
     from qgeo_filters.validation import checked_index
 
     mend = repair_option(repair, force)
@@ -226,8 +245,9 @@ def path(
         "smoothing": smoothing,
         "repair": mend,
     }
-    settings = Settings(output, quiet, json, mend, pictures)
-    job = Job("path", settings, parameters, [mesh], pictures=("path", "path_curvature"))
+    settings = Settings(output, quiet, json, mend, pictures, also)
+    about = [mesh.stem, str(i), str(j)]
+    job = Job("path", settings, parameters, [mesh], pictures=("path", "path_curvature"), about=about)
     (surface,) = job.read("all")
     with job.about():
         for vertex, name in ((i, "I"), (j, "J")):
@@ -260,7 +280,8 @@ def path(
         "faces": faces,
         "barycentric": weights,
     }
-    job.save(results, arrays, surface.with_attributes({"qgeo_path": beside}))
+    shown = Shown(np.where(beside[:, None] == 1, MARK, MISSING), beside.astype(np.float64))
+    job.save(results, arrays, surface.with_attributes({"qgeo_path": beside}), shown=[shown])
     job.picture("path", f"The path from vertex {i} (yellow) to vertex {j} (red).", lambda: plot_path(surface, found))
     job.picture(
         "path_curvature",

@@ -8,7 +8,19 @@ from typing import Annotated
 import typer
 
 from qgeo_filters.cli.animations import Animate, Seconds, Unsure
-from qgeo_filters.cli.options import Force, Json, Output, Pictures, Quiet, Repair, Settings, Workers, repair_option
+from qgeo_filters.cli.kept import Cache
+from qgeo_filters.cli.options import (
+    Also,
+    Force,
+    Json,
+    Output,
+    Pictures,
+    Quiet,
+    Repair,
+    Settings,
+    Workers,
+    repair_option,
+)
 
 
 def interpolate(
@@ -21,10 +33,12 @@ def interpolate(
     animate: Animate = None,
     seconds: Seconds = None,
     workers: Workers = None,
+    cache: Cache = True,
     output: Output = None,
     repair: Repair = None,
     force: Force = False,
     pictures: Pictures = True,
+    also: Also = None,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -42,13 +56,16 @@ def interpolate(
     from qgeo_filters.cli.job import Job, as_title
     from qgeo_filters.filters import stages
     from qgeo_filters.io.folders import mesh_files
+    from qgeo_filters.report.colors import position_colors
+    from qgeo_filters.report.shown import Shown
+    from qgeo_filters.report.view import best_view
 
     mend = repair_option(repair, force)
     files = [file for path in poses for file in mesh_files(path)]
     names = animations.animation_names(animate)
     parameters = {"frames": frames, "accept_unsure": unsure, "seconds": seconds, "repair": mend}
     called = ("X", *(f"pose {number}" for number in range(len(files))))
-    settings = Settings(output, quiet, json, mend, pictures)
+    settings = Settings(output, quiet, json, mend, pictures, also)
     job = Job(
         "interpolate", settings, parameters, [x, *files], names=called, pictures=("film_strip",), texts=tuple(names)
     )
@@ -58,13 +75,17 @@ def interpolate(
         with job.stage("correspondence"):
             found = None
             if not same_triangles(start, end):
-                found = stages.correspondence_of(start, end, True, job.progress, repair_x=mend, repair_y=mend)
+                found = stages.correspondence_of(start, end, True, repair_x=mend, repair_y=mend)
             maps.append(found)
     with job.stage("frames"):
         times = np.linspace(0, len(ends), frames)
         given = maps if len(maps) > 1 else maps[0]
-        result = interpolated(start, ends, times, given, accept_unsure=unsure, progress=job.progress)
-    job.save(animations.numbers(result), {"positions": result.positions, "times": result.times}, start, *ends)
+        result = interpolated(start, ends, times, given, accept_unsure=unsure)
+    colors = position_colors(start.vertices, best_view(start.vertices, start.faces).axes)
+    # A pose with the triangles of X has its colours; on another they are carried over.
+    of_ends = [colors if found is None else found.transfer(colors) for found in maps]
+    arrays = {"positions": result.positions, "times": result.times}
+    job.save(animations.numbers(result), arrays, start, *ends, shown=[Shown(of) for of in (colors, *of_ends)])
     shown = (as_title(job.names[0]), as_title(job.names[0]))
     animations.save_animation(job, result, names, seconds, shown, "Some of the frames, with their times.")
     job.finish()

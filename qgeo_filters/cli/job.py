@@ -9,6 +9,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,16 +19,20 @@ from rich.console import Console
 from rich.table import Table as TerminalTable
 
 from qgeo_filters import __version__
+from qgeo_filters.caching import cache
+from qgeo_filters.cli.default_folder import default_folder
 from qgeo_filters.cli.errors import to_standard_output
 from qgeo_filters.cli.options import Settings
 from qgeo_filters.cli.outputs import LISTING, OutputFolder
-from qgeo_filters.errors import MeshError, QgeoError, TooLargeError, of_file, reason
+from qgeo_filters.cli.stage_display import StageDisplay, expected_seconds, keep_times
+from qgeo_filters.errors import MeshError, ParameterError, QgeoError, TooLargeError, of_file, reason
 from qgeo_filters.filters.repaired import carried_back, repaired_vertices
 from qgeo_filters.hosts.dispatch import as_given, surface_and_repair
 from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.repair.triangle_soup import Pieces
 from qgeo_filters.report.glossary import meaning
 from qgeo_filters.report.html import Meaning, Picture, Table, formatted, write_report
+from qgeo_filters.report.shown import Shown
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices
 
@@ -57,6 +62,10 @@ class Job:
         What else is read.
     pictures, texts : iterable of str
         Names of the pictures and of the other files that may be made, the pictures' without suffix.
+    meshes_made : iterable of str
+        Names, without suffix, of the meshes that `write_meshes` writes beside those that were read; or what gives one.
+    about : sequence of str, optional
+        What the results are of, for the name of the folder; the meshes by default.
     """
 
     def __init__(
@@ -70,6 +79,8 @@ class Job:
         inputs: Iterable[Path] = (),
         pictures: Iterable[str] = (),
         texts: Iterable[str] = (),
+        meshes_made: Iterable[str | Callable[[Job], str]] = (),
+        about: Sequence[str] | None = None,
     ) -> None:
         self.command = command
         self.settings = settings
@@ -84,27 +95,38 @@ class Job:
         self._pictures: list[Picture] = []
         self._surfaces: list[Surface] = []
         self._notes = Console(stderr=True, quiet=settings.quiet, soft_wrap=True, **_PLAIN)
+        self._display = StageDisplay(self._notes, self.shows_progress)
         drawn = pictures if settings.pictures else ()
         files = {"result.npz", "report.html", *texts, *(f"{name}.png" for name in drawn)}
-        files |= {f"{name}.ply" for name in self.names}
-        self._outputs = OutputFolder(settings.folder(command), files, (*self.paths, *inputs), self._content)
+        made = [name if isinstance(name, str) else name(self) for name in meshes_made]
+        files |= {file for name in made for file in self.mesh_files(name)}
+        of_meshes = {file for name in self.names for file in self.mesh_files(name)}
+        if taken := sorted(of_meshes & files):
+            raise ParameterError(
+                f"a mesh would be written as {taken[0]}, which is another result: give it another name"
+            )
+        files |= of_meshes
+        folder = settings.output
+        if folder is None:
+            folder = default_folder(command, [path.stem for path in self.paths] if about is None else about, self.paths)
+        self._outputs = OutputFolder(folder, files, (*self.paths, *inputs), self._content)
         self.folder = self._outputs.folder
 
     @property
-    def progress(self) -> bool:
-        """Whether progress bars are wanted: on a terminal, unless quiet."""
+    def shows_progress(self) -> bool:
+        """Whether a terminal is to show what goes on: not if quiet."""
         return not self.settings.quiet and sys.stderr.isatty()
 
     @contextmanager
     def stage(self, name: str, mesh: int | None = None) -> Iterator[None]:
-        """Context that measures a stage, in wall-clock seconds, and says on a terminal what goes on.
+        """Context that measures a stage, in wall-clock seconds, and shows on a terminal how far it is.
 
         Errors are those of a mesh as in `about`.
         """
         started = time.perf_counter()
-        if self.progress:
-            self._notes.print(f"… {name}", style="dim")
-        with self.about(mesh):
+        size = sum(mesh["vertices"] for mesh in self.meshes)
+        expected = expected_seconds(cache.directory, self.command, name, size)
+        with self._display.stage(name, expected), self.about(mesh):
             yield
         self.seconds[name] = round(time.perf_counter() - started, 3)
 
@@ -218,22 +240,52 @@ class Job:
 
     # -- out ----------------------------------------------------------------------------------------
 
+    def mesh_files(self, name: str) -> list[str]:
+        """Files as which a mesh is written: PLY first, and what else was asked for."""
+        return [f"{name}.{suffix}" for suffix in ("ply", *(self.settings.also or ()))]
+
     def save(
-        self, results: Mapping[str, Any], arrays: Mapping[str, Any], *surfaces: Surface, vertices: Iterable[str] = ()
+        self,
+        results: Mapping[str, Any],
+        arrays: Mapping[str, Any],
+        *surfaces: Surface,
+        shown: Sequence[Shown | None] = (),
+        vertices: Iterable[str] = (),
     ) -> None:
         """Write result.json, result.npz and the meshes that were read, with their attributes, on the files' vertices.
 
-        ``vertices`` names the attributes that hold vertices of the mesh.
+        Parameters
+        ----------
+        results, arrays : mapping
+        surfaces : Surface
+            One for each mesh that was read, or none.
+        shown : sequence of Shown or None
+            The colours and the main number of each.
+        vertices : iterable of str
+            Names of the attributes that hold vertices of the mesh.
         """
         self.results.update(results)
         with self._outputs.writing("result.npz") as temporary, temporary.open("wb") as file:
             np.savez(file, **dict(arrays))
         for note in self._outputs.left:
             self._notes.print(f"qgeo: {note}")
-        for mesh, (name, surface) in enumerate(zip(self.names, surfaces, strict=True)):
-            surface = self._of_file(surface, mesh, vertices)
-            with self._outputs.writing(f"{name}.ply") as temporary:
-                surface.write(temporary)
+        written = []
+        for mesh, surface in enumerate(surfaces):
+            given, look = self._of_file(surface, mesh, vertices), shown[mesh] if shown else None
+            if look is not None:
+                given = (look if given is surface else look.carried(partial(self.on_given, mesh=mesh))).on(given)
+            written.append(given)
+        if written:
+            self.write_meshes(dict(zip(self.names, written, strict=True)))
+
+    def write_meshes(self, surfaces: Mapping[str, Surface]) -> None:
+        """Write meshes by name, in all forms that were asked for; PLY first, which keeps every attribute."""
+        for suffix in ("ply", *(self.settings.also or ())):
+            for name, surface in surfaces.items():
+                with self._outputs.writing(f"{name}.{suffix}") as temporary, warnings.catch_warnings():
+                    # PLY stands beside them.
+                    warnings.filterwarnings("ignore", ".* holds no (such )?attributes, dropped", UserWarning)
+                    surface.write(temporary)
 
     def _of_file(self, surface: Surface, mesh: int, vertices: Iterable[str]) -> Surface:
         """The mesh with the vertices of the file, and its attributes there."""
@@ -287,6 +339,7 @@ class Job:
                 footer=f"qgeo-filters {__version__}. The same numbers are in result.json, the arrays in result.npz.",
             )
         self._outputs.list_files()
+        keep_times(cache.directory, self.command, self.seconds, sum(mesh["vertices"] for mesh in self.meshes))
         self._show(tables)
 
     def _show(self, tables: Sequence[Table]) -> None:

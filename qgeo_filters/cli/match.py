@@ -8,7 +8,19 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from qgeo_filters.cli.options import Force, Json, Output, Pictures, Quiet, Repair, Settings, Workers, repair_option
+from qgeo_filters.cli.kept import Cache
+from qgeo_filters.cli.options import (
+    Also,
+    Force,
+    Json,
+    Output,
+    Pictures,
+    Quiet,
+    Repair,
+    Settings,
+    Workers,
+    repair_option,
+)
 from qgeo_filters.errors import MeshError, ParameterError, reason
 
 if TYPE_CHECKING:
@@ -83,10 +95,12 @@ def match(
         typer.Option("--mirror", help="Whether Y is a mirror image of X, as a left bone is of a right one."),
     ] = "auto",
     workers: Workers = None,
+    cache: Cache = True,
     output: Output = None,
     repair: Repair = None,
     force: Force = False,
     pictures: Pictures = True,
+    also: Also = None,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -94,10 +108,11 @@ def match(
 
     result.npz: p2p (n_X,), score, runner_up, inverse (n_Y,), -1 where there is no partner, functional_map (20, 20),
     distortion (n_X,), regions_x (n_X,), regions_y (n_Y,), corners (n_X, 3) and barycentric (n_X, 3), the vertices
-    of a triangle of Y and the place within it, finer than p2p, and errors (n_X,) with --truth. match_log.md: every
-    map that was proposed, what it cost, and which rule dropped it. match.glb: both shapes side by side, for any 3D
-    viewer. With --landmarks also landmarks_Y, in the format of FILE, and landmarks.csv; with --csv map.csv. With
-    --hints also landmarks (k, 2) and landmark_errors (k,), how far the map comes from each, in sqrt(area).
+    of a triangle of Y and the place within it, finer than p2p, and errors (n_X,) with --truth. X_on_Y.ply: X deformed
+    onto Y. match_log.md: every map that was proposed, what it cost, and which rule dropped it. match.glb: both shapes
+    side by side, for any 3D viewer. With --landmarks also landmarks_Y, in the format of FILE, and landmarks.csv; with
+    --csv map.csv. With --hints also landmarks (k, 2) and landmark_errors (k,), how far the map comes from each, in
+    sqrt(area). Meshes have what belongs together in one colour, and the distortion as quality.
     """
     import numpy as np
 
@@ -128,13 +143,14 @@ def match(
         written += [outputs.landmarks_name(landmarks_file), outputs.PAIRS]
     job = Job(
         "match",
-        Settings(output, quiet, json, mend, pictures),
+        Settings(output, quiet, json, mend, pictures, also),
         parameters,
         [x, y],
         names=("X", "Y"),
         inputs=[file for file in (truth, *(hints or ()), landmarks_file) if file is not None],
         pictures=(*_PICTURES, *(() if truth is None else _PICTURES_OF_ERRORS)),
         texts=("match_log.md", *written),
+        meshes_made=[outputs.deformed_name],
     )
     shape_x, shape_y = job.read_given()
     shapes = shape_x, shape_y
@@ -147,12 +163,11 @@ def match(
     prepared = []  # held here: the next stages then find them, whatever the bound of the cache
     for index, shape in enumerate(shapes if whole else ()):
         with job.stage(f"spectra of {'XY'[index]}", index):
-            prepared.append(stages.prepared_shape_of(shape, job.progress, repair=mend))
+            prepared.append(stages.prepared_shape_of(shape, repair=mend))
     with job.stage("match"):
         found = stages.correspondence_of(
             *shapes,
             normalize,
-            job.progress,
             repair_x=mend,
             repair_y=mend,
             partial=as_part,
@@ -177,12 +192,10 @@ def match(
             errors = found.error(target)
         results |= error_results(errors)
         arrays["errors"] = attributes["qgeo_error"] = errors
-    job.save(
-        results,
-        arrays,
-        shapes[0].with_attributes(attributes),
-        shapes[1].with_attributes({"qgeo_region": found.regions_y}),
-    )
+    shown = outputs.shown_match(found)
+    described = shapes[0].with_attributes(attributes)
+    job.save(results, arrays, described, shapes[1].with_attributes({"qgeo_region": found.regions_y}), shown=shown)
+    job.write_meshes({outputs.deformed_name(job): outputs.deformed(described, found, shown[0])})
     job.text("match_log.md", f"{found.log}\n")
     tables = [outputs.save_landmarks(job, landmarks_file, marks, found)] if landmarks_file and marks else []
     if csv:
@@ -192,7 +205,7 @@ def match(
     draw_match(job, *shapes, found, errors)
     tables.append(draw_worst(job, *shapes, found, errors))
     draw_log(job, found.log)
-    job.finish([*tables, outputs.files_table(landmarks_file, csv, glb)])
+    job.finish([*tables, outputs.files_table(job, landmarks_file, csv, glb)])
 
 
 def read_truth(path: Path, n_x: int, n_y: int) -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 
 from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.io.landmark_files import landmarks_content, read_landmarks
-from qgeo_filters.matching.map_files import table_text
+from qgeo_filters.io.vertex_table import table_text
 from qgeo_filters.matching.map_landmarks import landmarks_at, located
 from qgeo_filters.report.html import Table
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from qgeo_filters.cli.job import Job
     from qgeo_filters.io.landmarks import Frame, Landmarks
     from qgeo_filters.matching.match_result import MatchResult
+    from qgeo_filters.report.shown import Shown
     from qgeo_filters.surface import Surface
 
 SCENE, MAP_TABLE, PAIRS = "match.glb", "map.csv", "landmarks.csv"
@@ -91,9 +92,43 @@ def save_scene(job: Job, found: MatchResult, normalize: bool, marks: Landmarks |
         write_match_glb(temporary, found, normalize=normalize, landmarks=marks)
 
 
-def files_table(landmarks: Path | None, table: bool, scene: bool) -> Table:
+def shown_match(found: MatchResult) -> tuple[Shown, Shown]:
+    """What belongs together in one colour, as in the first picture, and the distortion on both shapes."""
+    from qgeo_filters.report.glb import map_colors
+    from qgeo_filters.report.maps import view_alike
+    from qgeo_filters.report.shown import Shown
+    from qgeo_filters.report.view import best_view
+
+    x, y = found.x, found.y
+    on_x, on_y = map_colors(found, view_alike(x, best_view(x.vertices, x.faces), y, found.p2p))
+    return Shown(on_x, found.distortion), Shown(on_y, found.transfer(found.distortion))
+
+
+def deformed_name(job: Job) -> str:
+    """Name of the file of X deformed onto Y."""
+    return "_on_".join(job.names)
+
+
+def deformed(x: Surface, found: MatchResult, shown: Shown) -> Surface:
+    """X, with its attributes and colours, laid onto Y; without the faces of vertices that have no place there."""
+    import numpy as np
+
+    from qgeo_filters.surface import Surface
+
+    known = np.isfinite(found.positions).all(axis=1) & (found.p2p >= 0)
+    painted = shown.on(x)
+    faces = x.faces[known[x.faces].all(axis=1)]
+    left, corners = np.unique(faces, return_inverse=True)
+    attributes = {name: values[left] for name, values in painted.attributes.items()}
+    if len(left) < len(known):
+        attributes["qgeo_vertex"] = left.astype(np.int32)  # of X
+    return Surface(found.positions[left], corners.reshape(-1, 3), attributes)
+
+
+def files_table(job: Job, landmarks: Path | None, table: bool, scene: bool) -> Table:
     """What is in the files beside the report."""
     rows = {"result.npz": "all arrays; MatchResult.from_npz reads it"}
+    rows[f"{deformed_name(job)}.ply"] = "X deformed onto Y, its triangles and colours"
     if scene:
         rows[SCENE] = "both shapes, and landmarks, side by side in the colours of the first picture, for 3D viewers"
     if table:

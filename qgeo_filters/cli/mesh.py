@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from qgeo_filters.cli.options import Force, Json, MeshFile, Output, Pictures, Quiet, Settings, repair_option
+from qgeo_filters.cli.options import Also, Force, Json, MeshFiles, Output, Pictures, Quiet, Settings, repair_option
 
 if TYPE_CHECKING:
     from qgeo_filters.surface import Surface
@@ -22,7 +23,7 @@ def _system(wanted: bool) -> None:
 
 
 def info(
-    mesh: MeshFile,
+    meshes: MeshFiles,
     system: Annotated[
         bool,
         typer.Option(
@@ -35,24 +36,30 @@ def info(
     ] = False,
     force: Force = False,
     pictures: Pictures = True,
+    also: Also = None,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
     """Describe a mesh: size, pieces, boundary, what is not manifold."""
+    from qgeo_filters.cli.in_turn import in_turn
     from qgeo_filters.cli.job import Job
     from qgeo_filters.report.figures import plot_surface
 
     mend = repair_option(repair, force)
-    job = Job("info", Settings(output, quiet, json, mend, pictures), {"repair": mend}, [mesh], pictures=["surface"])
-    (surface,) = job.read()
-    with job.stage("describe"):
-        results = {**job.meshes[0], **details(surface)}
-    del results["path"]
-    arrays = {"face_areas": surface.face_areas, "vertex_areas": surface.vertex_areas, "edges": surface.edges}
-    job.save(results, arrays, surface)
-    caption = "The surface" + (", its boundary in red." if not surface.is_closed else ": it has no boundary.")
-    job.picture("surface", caption, lambda: plot_surface(surface))
-    job.finish()
+
+    def one(mesh: Path, settings: Settings) -> None:
+        job = Job("info", settings, {"repair": mend}, [mesh], pictures=["surface"])
+        (surface,) = job.read()
+        with job.stage("describe"):
+            results = {**job.meshes[0], **details(surface)}
+        del results["path"]
+        arrays = {"face_areas": surface.face_areas, "vertex_areas": surface.vertex_areas, "edges": surface.edges}
+        job.save(results, arrays, surface)
+        caption = "The surface" + (", its boundary in red." if not surface.is_closed else ": it has no boundary.")
+        job.picture("surface", caption, lambda: plot_surface(surface))
+        job.finish()
+
+    in_turn(meshes, Settings(output, quiet, json, mend, pictures, also), one, "info")
 
 
 def details(surface: Surface) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -17,13 +18,23 @@ MeshFile = Annotated[
     Path,
     typer.Argument(metavar="MESH", help="OFF, OBJ, PLY, STL, GLB, or TOSCA's .vert/.tri, .mat.", show_default=False),
 ]
+MeshFiles = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="MESH...",
+        help="OFF, OBJ, PLY, STL, GLB, or TOSCA's .vert/.tri, .mat. Several, or a folder: each has its own results; "
+        "what is bad is named, the rest goes on, and the exit code is 1.",
+        show_default=False,
+    ),
+]
 Output = Annotated[
     Path | None,
     typer.Option(
         "-o",
         "--output",
         metavar="DIR",
-        help="Folder for the results, made if missing; qgeo-out/COMMAND if left out. No file of yours is replaced.",
+        help="Folder for the results, made if missing; qgeo-out/COMMAND-MESH if left out. The same command on the "
+        "same mesh replaces its results there. No file of yours is replaced.",
         show_default=False,
     ),
 ]
@@ -42,6 +53,30 @@ Force = Annotated[
     bool, typer.Option("--force-repair", help="Repair even where more than a hundredth of the area is removed by it.")
 ]
 Pictures = Annotated[bool, typer.Option("--pictures/--no-pictures", help="Write PNG pictures.")]
+#: Suffixes of the files as which a mesh is written beside PLY, for --also.
+ALSO = ("vtp", "vtu", "glb", "csv", "obj")
+
+
+def _also(given: list[str] | None) -> list[str]:
+    """The suffixes, each once, of "vtp,glb" and the like."""
+    suffixes = [part.strip().lower().removeprefix(".") for text in given or () for part in text.split(",")]
+    for suffix in suffixes:
+        if suffix not in ALSO:
+            raise typer.BadParameter(f"{suffix!r} is none of {', '.join(ALSO)}")
+    return list(dict.fromkeys(suffixes))
+
+
+Also = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--also",
+        metavar="vtp,vtu,glb,csv,obj",
+        help="Write each mesh, beside PLY, as these too: .vtp or .vtu for ParaView, .glb for Blender and browsers, "
+        ".csv with a row for each vertex, .obj; commas between.",
+        callback=_also,
+        show_default=False,
+    ),
+]
 Scalar = Annotated[
     str, typer.Option("--scalar", help="Curvature that bends the metric, or the name of an attribute of the mesh.")
 ]
@@ -71,6 +106,7 @@ def _bounded(context: typer.Context, workers: int | None) -> int | None:
 Workers = Annotated[
     int | None,
     typer.Option(
+        "--threads",
         "--workers",
         metavar="N",
         help="Threads at most; all cores that it may use if left out. Results do not depend on it.",
@@ -94,7 +130,4 @@ class Settings:
     json: bool = False
     repair: RepairOption = "auto"
     pictures: bool = True
-
-    def folder(self, command: str) -> Path:
-        """Where the results of a command go: each has its own folder, unless told otherwise."""
-        return Path("qgeo-out") / command.replace(" ", "-") if self.output is None else self.output
+    also: Sequence[str] | None = None

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from qgeo_filters.cli.kept import Cache
 from qgeo_filters.cli.options import (
     ALL_DISTANCES,
     Accuracy,
+    Also,
     Force,
     Json,
-    MeshFile,
+    MeshFiles,
     Method,
     Output,
     Pictures,
@@ -48,7 +51,7 @@ LandmarksText = Annotated[
 
 
 def spectrum(
-    mesh: MeshFile,
+    meshes: MeshFiles,
     k: Count = EIGENPAIRS,
     curvature_weight: Weight = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
@@ -58,10 +61,12 @@ def spectrum(
     method: Method = "graph",
     accuracy: Accuracy = 1e-3,
     workers: Workers = None,
+    cache: Cache = True,
     output: Output = None,
     repair: Repair = None,
     force: Force = False,
     pictures: Pictures = True,
+    also: Also = None,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -69,9 +74,11 @@ def spectrum(
 
     result.npz: eigenvalues (k,), eigenfunctions (n, k), areas (n,).
     """
+    from qgeo_filters.cli.in_turn import in_turn
     from qgeo_filters.cli.job import Job
     from qgeo_filters.filters.spectral import QuasiGeodesicSpectrum
     from qgeo_filters.report.figures import plot_eigenfunctions, plot_spectrum
+    from qgeo_filters.report.shown import Shown
 
     descriptor = QuasiGeodesicSpectrum(
         k=k,
@@ -84,30 +91,36 @@ def spectrum(
         accuracy=accuracy,
     )
     mend = repair_option(repair, force)
-    job = Job(
-        "spectrum",
-        Settings(output, quiet, json, mend, pictures),
-        {**descriptor.get_params(), "repair": mend},
-        [mesh],
-        pictures=("eigenfunctions", "spectrum"),
-    )
-    (surface,) = job.read()
-    with job.stage("spectrum"):
-        described = descriptor.apply(surface, progress=job.progress)
-    found = descriptor.spectrum_
-    arrays = {
-        "eigenvalues": found.eigenvalues,
-        "eigenfunctions": job.on_given(found.eigenfunctions),
-        "areas": job.on_given(found.areas),
-    }
-    job.save(spectrum_results(found), arrays, described)
-    job.picture(
-        "eigenfunctions",
-        "The first eigenfunctions of the distances on the surface, in units of 1/sqrt(area); the line is zero.",
-        lambda: plot_eigenfunctions(surface, found),
-    )
-    job.picture("spectrum", "Eigenvalues by decreasing magnitude.", lambda: plot_spectrum(found.eigenvalues))
-    job.finish([eigenvalue_table(found)])
+
+    def one(mesh: Path, settings: Settings) -> None:
+        job = Job(
+            "spectrum",
+            settings,
+            {**descriptor.get_params(), "repair": mend},
+            [mesh],
+            pictures=("eigenfunctions", "spectrum"),
+        )
+        (surface,) = job.read()
+        with job.stage("spectrum"):
+            described = descriptor.apply(surface)
+        found = descriptor.spectrum_
+        arrays = {
+            "eigenvalues": found.eigenvalues,
+            "eigenfunctions": job.on_given(found.eigenfunctions),
+            "areas": job.on_given(found.areas),
+        }
+        # The second, which tells the ends of the shape apart: the first hardly varies.
+        shown = Shown.of_values(found.eigenfunctions[:, min(1, k - 1)])
+        job.save(spectrum_results(found), arrays, described, shown=[shown])
+        job.picture(
+            "eigenfunctions",
+            "The first eigenfunctions of the distances on the surface, in units of 1/sqrt(area); the line is zero.",
+            lambda: plot_eigenfunctions(surface, found),
+        )
+        job.picture("spectrum", "Eigenvalues by decreasing magnitude.", lambda: plot_spectrum(found.eigenvalues))
+        job.finish([eigenvalue_table(found)])
+
+    in_turn(meshes, Settings(output, quiet, json, mend, pictures, also), one, "spectrum")
 
 
 def _landmarks(text: str) -> Landmarks:

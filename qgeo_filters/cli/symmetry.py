@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from qgeo_filters.cli.kept import Cache
 from qgeo_filters.cli.options import (
     ALL_DISTANCES,
     Accuracy,
+    Also,
     Force,
     Json,
-    MeshFile,
+    MeshFiles,
     Method,
     Output,
     Pictures,
@@ -32,6 +35,7 @@ if TYPE_CHECKING:
     from qgeo_filters.cli.job import Job
     from qgeo_filters.matching.symmetry_measure import Reading
     from qgeo_filters.matching.symmetry_result import Symmetry
+    from qgeo_filters.report.shown import Shown
     from qgeo_filters.spectral.spectrum import Spectrum
     from qgeo_filters.surface import Surface
 
@@ -41,7 +45,7 @@ SYMMETRY_PICTURES = ("symmetry", "sides", "asymmetry", "worst_places", *_PICTURE
 
 
 def symmetry(
-    mesh: MeshFile,
+    meshes: MeshFiles,
     explicit: Annotated[
         bool, typer.Option("--map/--no-map", help="Search for the map itself, or stop at the measure of eq. (3).")
     ] = True,
@@ -63,10 +67,12 @@ def symmetry(
     method: Method = "graph",
     accuracy: Accuracy = 1e-3,
     workers: Workers = None,
+    cache: Cache = True,
     output: Output = None,
     repair: Repair = None,
     force: Force = False,
     pictures: Pictures = True,
+    also: Also = None,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -79,6 +85,7 @@ def symmetry(
     after line, and how many each has. plane in result.json: that of a shape that is its own mirror image in space.
     Where no symmetry was found, found is False, symmetry the identity, side 0 and asymmetry NaN.
     """
+    from qgeo_filters.cli.in_turn import in_turn
     from qgeo_filters.cli.job import Job
     from qgeo_filters.filters import stages
     from qgeo_filters.matching.prepared_shape import check_matchable
@@ -99,38 +106,48 @@ def symmetry(
         "repair": mend,
     }
     drawn = SYMMETRY_PICTURES if explicit else _PICTURES_OF_THE_MEASURE
-    job = Job("symmetry", Settings(output, quiet, json, mend, pictures), parameters, [mesh], pictures=drawn)
-    (surface,) = job.read()
-    found = None
-    with job.about():
+
+    def one(mesh: Path, settings: Settings) -> None:
+        job = Job("symmetry", settings, parameters, [mesh], pictures=drawn)
+        (surface,) = job.read()
+        found = None
+        with job.about():
+            if explicit:
+                check_matchable(surface, repaired=job.repairs[0] is not None)
+            stages.check_spectrum(surface, k0)
+        # The matrix is held here: the stages after it find it, whatever the bound of the cache.
+        with job.stage("distances"):
+            metric = stages.metric_of(surface, scalar, curvature_weight, smoothing)
+            small = not is_represented(surface, "auto")
+            matrix = stages.matrix_of(metric, method, accuracy) if small else None
+        with job.stage("spectrum"):
+            spectrum = stages.spectrum_of(metric, k0, "area", "auto", method, accuracy)
         if explicit:
-            check_matchable(surface, repaired=job.repairs[0] is not None)
-        stages.check_spectrum(surface, k0)
-    # The matrix is held here: the stages after it find it, whatever the bound of the cache.
-    with job.stage("distances"):
-        metric = stages.metric_of(surface, scalar, curvature_weight, smoothing)
-        small = not is_represented(surface, "auto")
-        matrix = stages.matrix_of(metric, method, accuracy, job.progress) if small else None
-    with job.stage("spectrum"):
-        spectrum = stages.spectrum_of(metric, k0, "area", "auto", method, accuracy, job.progress)
-    if explicit:
-        with job.stage("map"):
-            found = stages.symmetry_of(surface, job.progress)
-    with job.stage("measure"):
-        results, arrays = symmetry_measure(spectrum, matrix, k0, regions, epsilon, reading)
-    if found is not None:
-        results = {**symmetry_results(found, spectrum, k0, reading), **results}
-        arrays |= symmetry_arrays(found)
-    described = surface.with_attributes(symmetry_attributes(arrays, found))
-    per_vertex = {**arrays, "eigenfunctions": spectrum.eigenfunctions, "areas": spectrum.areas}
-    saved = {
-        name: job.on_given(values, vertices=name in ("symmetry", "nearest")) if name != "found" else values
-        for name, values in per_vertex.items()
-    }
-    curve = {} if found is None else curve_arrays(found)
-    job.save(results, {**saved, **curve, "eigenvalues": spectrum.eigenvalues}, described, vertices=("qgeo_symmetry",))
-    draw_symmetry(job, surface, arrays, found)
-    job.finish()
+            with job.stage("map"):
+                found = stages.symmetry_of(surface)
+        with job.stage("measure"):
+            results, arrays = symmetry_measure(spectrum, matrix, k0, regions, epsilon, reading)
+        if found is not None:
+            results = {**symmetry_results(found, spectrum, k0, reading), **results}
+            arrays |= symmetry_arrays(found)
+        described = surface.with_attributes(symmetry_attributes(arrays, found))
+        per_vertex = {**arrays, "eigenfunctions": spectrum.eigenfunctions, "areas": spectrum.areas}
+        saved = {
+            name: job.on_given(values, vertices=name in ("symmetry", "nearest")) if name != "found" else values
+            for name, values in per_vertex.items()
+        }
+        curve = {} if found is None else curve_arrays(found)
+        job.save(
+            results,
+            {**saved, **curve, "eigenvalues": spectrum.eigenvalues},
+            described,
+            shown=[shown_symmetry(surface, arrays, found)],
+            vertices=("qgeo_symmetry",),
+        )
+        draw_symmetry(job, surface, arrays, found)
+        job.finish()
+
+    in_turn(meshes, Settings(output, quiet, json, mend, pictures, also), one, "symmetry")
 
 
 def symmetry_results(found: Symmetry, spectrum: Spectrum, k0: int, reading: Reading = "absolute") -> dict[str, Any]:
@@ -190,6 +207,18 @@ def symmetry_attributes(arrays: dict[str, Any], found: Symmetry | None) -> dict[
             "qgeo_asymmetry": found.asymmetry,
         }
     return attributes
+
+
+def shown_symmetry(surface: Surface, arrays: dict[str, Any], found: Symmetry | None) -> Shown:
+    """Mirror images in one colour, and the asymmetry; where no map was found, the regions and the sum of eq. (3)."""
+    from qgeo_filters.report.shown import Shown, label_colors, mirror_colors
+    from qgeo_filters.report.view import best_view
+
+    if found is not None and found.found:
+        view = best_view(surface.vertices, surface.faces)
+        return Shown(mirror_colors(surface, found.nearest, view), found.asymmetry)
+    regions = arrays["regions"]
+    return Shown(label_colors(regions, int(regions.max(initial=-1)) + 1), arrays["symmetry_sum"])
 
 
 def symmetry_measure(

@@ -9,12 +9,20 @@ import re
 import sys
 
 from qgeo_filters import __version__
+from qgeo_filters.cli.kept import kept_folder
 from qgeo_filters.memory import available_memory
 from qgeo_filters.parallel import worker_count
 
 _DISTRIBUTION = "qgeo-filters"
 # What bounds or binds threads, and where kernels and meshes are kept.
-_VARIABLES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "NUMBA_CACHE_DIR")
+_VARIABLES = (
+    "OPENBLAS_NUM_THREADS",
+    "OMP_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "NUMBA_NUM_THREADS",
+    "NUMBA_CACHE_DIR",
+    "QGEO_CACHE_DIR",
+)
 
 
 def system_information() -> str:
@@ -26,6 +34,7 @@ def system_information() -> str:
         f"platform: {platform.platform()}, {platform.machine()}",
         f"cores: {worker_count()}",
         f"free memory: {'not known' if free is None else f'{free / 1e9:.1f} GB'}",
+        f"results kept in: {kept_folder() or 'nothing'}",
         *(f"{name}: {os.environ[name]}" for name in _VARIABLES if name in os.environ),
         *(f"{name}: {_version(name) or 'not installed'}" for name in dependencies()),
     ]

@@ -8,7 +8,19 @@ from typing import Annotated
 import typer
 
 from qgeo_filters.cli.animations import Animate, Seconds, Unsure
-from qgeo_filters.cli.options import Force, Json, Output, Pictures, Quiet, Repair, Settings, Workers, repair_option
+from qgeo_filters.cli.kept import Cache
+from qgeo_filters.cli.options import (
+    Also,
+    Force,
+    Json,
+    Output,
+    Pictures,
+    Quiet,
+    Repair,
+    Settings,
+    Workers,
+    repair_option,
+)
 from qgeo_filters.errors import ParameterError
 
 
@@ -41,10 +53,12 @@ def transfer(
     animate: Animate = None,
     seconds: Seconds = None,
     workers: Workers = None,
+    cache: Cache = True,
     output: Output = None,
     repair: Repair = None,
     force: Force = False,
     pictures: Pictures = True,
+    also: Also = None,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -63,6 +77,8 @@ def transfer(
     from qgeo_filters.cli.job import Job, as_title, numbered
     from qgeo_filters.filters import stages
     from qgeo_filters.io.folders import mesh_files
+    from qgeo_filters.report.reel import transfer_colors
+    from qgeo_filters.report.shown import Shown
 
     mend = repair_option(repair, force)
     first, *others = mesh_files(reference)
@@ -71,7 +87,7 @@ def transfer(
         raise ParameterError("no poses: name their files, a folder of them, or as X a folder that holds them too")
     names = animations.animation_names(animate)
     y_file = mesh_files(onto)[0]
-    frames = [f"{name}.ply" for name in numbered([f"{y_file.stem}_{file.stem}" for file in files])]
+    frames = numbered([f"{y_file.stem}_{file.stem}" for file in files])
     parameters = {
         "poses": [str(file) for file in files],
         "scans": scans,
@@ -82,7 +98,7 @@ def transfer(
         "seconds": seconds,
         "repair": mend,
     }
-    settings = Settings(output, quiet, json, mend, pictures)
+    settings = Settings(output, quiet, json, mend, pictures, also)
     job = Job(
         "transfer",
         settings,
@@ -91,15 +107,17 @@ def transfer(
         names=("X", "Y"),
         inputs=files,
         pictures=("film_strip",),
-        texts=(*names, *frames),
+        texts=names,
+        meshes_made=frames,
     )
     x, y = job.read_given()
     with job.stage("correspondence"):
-        found = stages.correspondence_of(x, y, True, job.progress, repair_x=mend, repair_y=mend)
+        found = stages.correspondence_of(x, y, True, repair_x=mend, repair_y=mend)
     for index, name in enumerate(("X: ", "Y: ")):
         job.repaired(index, [line.removeprefix(name) for line in found.repairs if line.startswith(name)])
     with job.stage("prepare"):
         plan = PoseTransfer.of(x, y, found, same_pose=same_pose, same_body=same_body, align=align, accept_unsure=unsure)
+    colors = transfer_colors(x, plan.places.on_x)
     followed, moved = [], []
     with job.stage("poses"):
         warned(plan.doubts)
@@ -107,8 +125,8 @@ def transfer(
         for pose, name in zip(given, frames, strict=True):
             followed.append(plan.frame(pose))
             moved.append(plan.moved(pose))
-            with job.file(name) as temporary:
-                y.with_vertices(moved[-1]).write(temporary)
+            displacement = np.linalg.norm(moved[-1] - y.vertices, axis=1)
+            job.write_meshes({name: Shown(colors[1], displacement).on(y.with_vertices(moved[-1]))})
     result = plan.result(followed, moved)
     arrays = {
         "positions": result.positions,
@@ -117,7 +135,13 @@ def transfer(
     }
     of_x = animations.numbers(Animation(plan.aligned_x, np.stack(followed)))
     numbers = {"apart": result.apart, "mean_edge_change_of_x": of_x["mean_edge_change"], **animations.numbers(result)}
-    job.save({**numbers, "confident": found.confident, "score": found.score}, arrays, x, y)
+    job.save(
+        {**numbers, "confident": found.confident, "score": found.score},
+        arrays,
+        x,
+        y,
+        shown=[Shown(of) for of in colors],
+    )
     called = (as_title(job.names[0]), as_title(job.names[1]))
     caption = "Some of the poses of X, and Y moved as they are; what belongs together has one colour."
     animations.save_animation(job, result, names, seconds, called, caption)

@@ -12,7 +12,7 @@ from tqdm.auto import tqdm
 
 from qgeo_filters.collection.dask_engine import on_cluster
 from qgeo_filters.errors import ParameterError, WorkersLostError
-from qgeo_filters.parallel import worker_count
+from qgeo_filters.parallel import report_progress, worker_count
 
 Part = TypeVar("Part")
 Outcome = TypeVar("Outcome")
@@ -60,6 +60,7 @@ def run_chunks(
     """
     count = worker_count(workers)
     bar = tqdm(total=sum(map(len, chunks)), unit=unit, disable=not progress)
+    finished = 0
     with bar:
         if scheduler is not None:
             done = on_cluster(task, chunks, scheduler)
@@ -70,6 +71,8 @@ def run_chunks(
         for size, outcomes in done:
             yield from outcomes
             bar.update(size)
+            finished += size
+            report_progress(unit, finished, sum(map(len, chunks)))
 
 
 def _in_workers(

@@ -12,7 +12,7 @@ from qgeo_filters.collection.common import CommonShapes
 from qgeo_filters.collection.composition import Maps, checked_maps
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.io.landmarks import Landmarks
-from qgeo_filters.matching.map_files import table_text
+from qgeo_filters.io.vertex_table import table_text
 from qgeo_filters.matching.map_landmarks import as_landmarks, images_on_target, landmarks_at, located
 from qgeo_filters.surface import Surface
 

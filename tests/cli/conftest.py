@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import functools
+import importlib.resources
 import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import numpy as np
 import pytest
 from shapes import blob, fan, grid, icosphere
@@ -55,12 +58,21 @@ def loaded() -> Callable[[Path], tuple[dict[str, Any], dict[str, np.ndarray]]]:
     return _loaded
 
 
+@functools.cache
+def validator() -> jsonschema.Draft202012Validator:
+    """What says whether a result.json is as the schema in the package has it."""
+    schema = json.loads((importlib.resources.files("qgeo_filters.cli") / "result.schema.json").read_text("utf-8"))
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
 def _loaded(folder: Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """The numbers and arrays of a result folder, after the checks that hold for every command."""
     content = json.loads((folder / "result.json").read_text(encoding="utf-8"))
     assert sorted(content["files"]) == sorted(path.name for path in folder.iterdir() if path.is_file())
     assert {"command", "qgeo_filters", "parameters", "results", "seconds"} <= set(content)
     assert ("mesh" in content) != ("meshes" in content)
+    validator().validate(content)
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert "http:" not in page
     assert "https:" not in page

@@ -34,7 +34,7 @@ def folder(meshes: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_a_folder_of_poses_becomes_poses_of_the_other(qgeo: Qgeo, loaded: Loaded, folder: Path) -> None:
     result = qgeo("transfer", "walk", "--onto", "other.ply", "--no-align", "--animate", "walk.glb")
     assert result.exit_code == 0, result.stderr
-    content, arrays = loaded(Path("qgeo-out/transfer"))
+    content, arrays = loaded(Path("qgeo-out/transfer-0-other"))
     files = {"other_2.ply", "other_10.ply", "walk.glb", "film_strip.png", "0.ply", "other.ply"}
     assert files <= set(content["files"])
     assert arrays["positions"].shape == (2, X.n_vertices, 3)
@@ -42,7 +42,7 @@ def test_a_folder_of_poses_becomes_poses_of_the_other(qgeo: Qgeo, loaded: Loaded
         gaps = np.linalg.norm(arrays["positions"][frame] - arched(X.vertices, curvature), axis=1)
         assert gaps.mean() < 0.01 * np.sqrt(X.area)
     np.testing.assert_allclose(
-        qg.Surface.read("qgeo-out/transfer/other_10.ply").vertices, arrays["positions"][1], atol=1e-5
+        qg.Surface.read("qgeo-out/transfer-0-other/other_10.ply").vertices, arrays["positions"][1], atol=1e-5
     )
     assert content["results"]["frames"] == 2
     assert content["results"]["confident"] is True
@@ -57,14 +57,14 @@ def test_finished_poses_are_kept_where_one_cannot_be_read(qgeo: Qgeo, folder: Pa
     assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
     assert "pose 2" in result.stderr
     assert "11.ply" in result.stderr
-    assert Path("qgeo-out/transfer/other_2.ply").is_file()
-    assert Path("qgeo-out/transfer/other_10.ply").is_file()
+    assert Path("qgeo-out/transfer-0-other/other_2.ply").is_file()
+    assert Path("qgeo-out/transfer-0-other/other_10.ply").is_file()
 
 
 def test_the_way_through_poses(qgeo: Qgeo, loaded: Loaded, folder: Path) -> None:
     result = qgeo("interpolate", "walk/0.ply", "walk/2.ply", "walk/10.ply", "--frames", 5)
     assert result.exit_code == 0, result.stderr
-    content, arrays = loaded(Path("qgeo-out/interpolate"))
+    content, arrays = loaded(Path("qgeo-out/interpolate-0-2-10"))
     assert arrays["times"].tolist() == [0, 0.5, 1, 1.5, 2]
     expected = qg.interpolate(X, [X.with_vertices(arched(X.vertices, c)) for c in (0.2, 0.5)], arrays["times"])
     np.testing.assert_allclose(arrays["positions"], expected.positions, atol=1e-4)

@@ -25,18 +25,18 @@ def test_info(qgeo: Qgeo, loaded: Loaded) -> None:
     result = qgeo("info", "square.obj")
     assert result.exit_code == 0
     assert "boundary_loops" in result.stdout
-    content, arrays = loaded(Path("qgeo-out/info"))
+    content, arrays = loaded(Path("qgeo-out/info-square"))
     found = content["results"]
     assert (found["vertices"], found["faces"], found["boundary_loops"], found["closed"]) == (49, 72, 1, False)
     assert found["area"] == pytest.approx(1.0)
     assert found["euler_characteristic"] == 1
     assert arrays["face_areas"].sum() == pytest.approx(1.0)
-    assert Path("qgeo-out/info/surface.png").exists()
+    assert Path("qgeo-out/info-square/surface.png").exists()
 
 
 def test_info_describes_what_is_no_surface(qgeo: Qgeo, loaded: Loaded) -> None:
     assert qgeo("info", "fan.off").exit_code == 0
-    content, _ = loaded(Path("qgeo-out/info"))
+    content, _ = loaded(Path("qgeo-out/info-fan"))
     assert content["results"]["manifold"] is False
     assert content["results"]["nonmanifold_edges"] == 1
     assert content["results"]["genus"] is None
@@ -72,7 +72,7 @@ def test_repair_is_reported(qgeo: Qgeo, loaded: Loaded) -> None:
     assert "% of the area" in refused.stderr
     assert "or --force-repair" in refused.stderr
     assert qgeo("info", "fan.off", "--force-repair").exit_code == 0
-    content, _ = loaded(Path("qgeo-out/info"))
+    content, _ = loaded(Path("qgeo-out/info-fan"))
     assert content["results"]["manifold"] is True
     assert content["mesh"]["repaired"]
 
@@ -87,21 +87,21 @@ def test_info_says_which_side_is_out_and_how_to_turn_it(qgeo: Qgeo, loaded: Load
     }
     for mesh, (winding, advice) in expected.items():
         assert qgeo("info", mesh, "--no-pictures").exit_code == 0
-        found = loaded(Path("qgeo-out/info"))[0]["results"]
+        found = loaded(Path(f"qgeo-out/info-{Path(mesh).stem}"))[0]["results"]
         assert (found["winding"], found["advice"]) == (winding, advice)
     assert qgeo("info", "inside.off", "--no-pictures", "--repair").exit_code == 0
-    found = loaded(Path("qgeo-out/info"))[0]["results"]
+    found = loaded(Path("qgeo-out/info-inside"))[0]["results"]
     assert (found["winding"], found["advice"]) == ("outward", [])
 
 
 def test_distances_of_all_pairs(qgeo: Qgeo, loaded: Loaded) -> None:
     assert qgeo("distances", "sphere.ply", "-w", 0).exit_code == 0
-    content, arrays = loaded(Path("qgeo-out/distances"))
+    content, arrays = loaded(Path("qgeo-out/distances-sphere"))
     surface = qg.Surface.read("sphere.ply")
     np.testing.assert_array_equal(arrays["distances"], qg.distance_matrix(surface))
     assert content["results"]["shape"] == [162, 162]
     assert content["results"]["max"] == pytest.approx(np.pi, rel=0.03)
-    written = qg.Surface.read("qgeo-out/distances/sphere.ply")
+    written = qg.Surface.read("qgeo-out/distances-sphere/sphere.ply")
     np.testing.assert_array_equal(written.vertices, surface.vertices)
     np.testing.assert_allclose(written.attributes["qgeo_mean_distance"], arrays["distances"].mean(axis=1), rtol=1e-5)
     assert "distance_matrix.png" in content["files"]
@@ -126,7 +126,7 @@ def test_distances_on_disk(qgeo: Qgeo, loaded: Loaded, monkeypatch: pytest.Monke
     monkeypatch.setattr("qgeo_filters.cli.geodesics.ROWS", 50)
     command = ("distances", "blob.off", "--matrix", "d.zarr", "-w", 0.1)
     assert qgeo(*command).exit_code == 0
-    content, arrays = loaded(Path("qgeo-out/distances"))
+    content, arrays = loaded(Path("qgeo-out/distances-blob"))
     surface = qg.Surface.read("blob.off")
     expected = qg.distance_matrix(surface, qg.lifted_metric(surface, curvature_weight=0.1))
     np.testing.assert_array_equal(zarr.open_array("d.zarr", mode="r")[:], expected)
@@ -136,7 +136,7 @@ def test_distances_on_disk(qgeo: Qgeo, loaded: Loaded, monkeypatch: pytest.Monke
     assert "distances" not in arrays
     np.testing.assert_allclose(arrays["mean_distance"], expected.mean(axis=1, dtype=np.float64))
     np.testing.assert_array_equal(
-        qg.Surface.read("qgeo-out/distances/blob.ply").attributes["qgeo_mean_distance"], arrays["mean_distance"]
+        qg.Surface.read("qgeo-out/distances-blob/blob.ply").attributes["qgeo_mean_distance"], arrays["mean_distance"]
     )
 
 
@@ -179,26 +179,26 @@ def test_distances_between_pieces_are_counted_and_legible_json(qgeo: Qgeo, loade
     vertices = np.concatenate([sphere.vertices, sphere.vertices + 5])
     qg.Surface(vertices, np.concatenate([sphere.faces, sphere.faces + 162])).write("two.off")
     assert qgeo("distances", "two.off").exit_code == 0
-    content, arrays = loaded(Path("qgeo-out/distances"))
+    content, arrays = loaded(Path("qgeo-out/distances-two"))
     assert content["results"]["unreachable_pairs"] == 2 * 162**2 == np.isinf(arrays["distances"]).sum()
 
 
 def test_spectrum(qgeo: Qgeo, loaded: Loaded) -> None:
     assert qgeo("spectrum", "blob.off", "-k", 7, "-w", 0.05).exit_code == 0
-    content, arrays = loaded(Path("qgeo-out/spectrum"))
+    content, arrays = loaded(Path("qgeo-out/spectrum-blob"))
     surface = qg.Surface.read("blob.off")
     expected = qg.distance_spectrum(surface, 7, qg.lifted_metric(surface, curvature_weight=0.05))
     np.testing.assert_allclose(arrays["eigenvalues"], expected.eigenvalues, rtol=1e-6)
     gram = arrays["eigenfunctions"].T @ (arrays["areas"][:, None] * arrays["eigenfunctions"])
     np.testing.assert_allclose(gram, np.eye(7), atol=1e-6)
     assert content["results"]["eigenvalues"] == arrays["eigenvalues"].tolist()
-    assert qg.Surface.read("qgeo-out/spectrum/blob.ply").attributes["qgeo_phi"].shape == (162, 7)
+    assert qg.Surface.read("qgeo-out/spectrum-blob/blob.ply").attributes["qgeo_phi"].shape == (162, 7)
     assert {"eigenfunctions.png", "spectrum.png"} <= set(content["files"])
 
 
 def test_multiplets_are_numbered_as_in_the_table(qgeo: Qgeo, loaded: Loaded) -> None:
     assert qgeo("spectrum", "sphere.ply", "-k", 7, "-w", 0, "--no-pictures").exit_code == 0
-    content, arrays = loaded(Path("qgeo-out/spectrum"))
+    content, arrays = loaded(Path("qgeo-out/spectrum-sphere"))
     # Odd spherical harmonics only: constant, the three of degree 1, then degree 3.
     assert content["results"]["multiplets"][0] == [2, 3, 4]
     np.testing.assert_allclose(arrays["eigenvalues"][1:4], arrays["eigenvalues"][1], rtol=0.01)
@@ -206,7 +206,7 @@ def test_multiplets_are_numbered_as_in_the_table(qgeo: Qgeo, loaded: Loaded) -> 
 
 def test_path(qgeo: Qgeo, loaded: Loaded) -> None:
     assert qgeo("path", "blob.off", 3, 100, "-w", 0.05).exit_code == 0
-    content, arrays = loaded(Path("qgeo-out/path"))
+    content, arrays = loaded(Path("qgeo-out/path-blob-3-100"))
     surface = qg.Surface.read("blob.off")
     metric = qg.lifted_metric(surface, curvature_weight=0.05)
     expected = quasi_geodesic(surface, 3, 100, metric)
@@ -215,7 +215,7 @@ def test_path(qgeo: Qgeo, loaded: Loaded) -> None:
     assert arrays["length"] == content["results"]["length"] == expected.length
     assert arrays["length"] == pytest.approx(qg.distances(surface, [3], metric, "exact")[0, 100], rel=1e-9)
     np.testing.assert_allclose(arrays["points"][[0, -1]], surface.vertices[[3, 100]])
-    beside = qg.Surface.read("qgeo-out/path/blob.ply").attributes["qgeo_path"]
+    beside = qg.Surface.read("qgeo-out/path-blob-3-100/blob.ply").attributes["qgeo_path"]
     np.testing.assert_array_equal(np.flatnonzero(beside), np.unique(surface.faces[expected.faces]))
     assert {"path.png", "path_curvature.png"} <= set(content["files"])
 
@@ -223,7 +223,7 @@ def test_path(qgeo: Qgeo, loaded: Loaded) -> None:
 def test_path_from_a_vertex_to_itself(qgeo: Qgeo, loaded: Loaded) -> None:
     result = qgeo("path", "sphere.ply", 5, 5)
     assert result.exit_code == 0
-    assert loaded(Path("qgeo-out/path"))[1]["length"] == 0.0
+    assert loaded(Path("qgeo-out/path-sphere-5-5"))[1]["length"] == 0.0
 
 
 def test_warmup(qgeo: Qgeo) -> None:
@@ -243,12 +243,14 @@ def test_run_on_one_mesh(qgeo: Qgeo, loaded: Loaded, pipeline: qg.Pipeline) -> N
     names = ("qgeo_delta", "qgeo_distance")
     pipeline.save("pipe.yaml")
     assert qgeo("run", "pipe.yaml", "blob.off").exit_code == 0
-    content, arrays = loaded(Path("qgeo-out/run"))
+    content, arrays = loaded(Path("qgeo-out/run-pipe-blob"))
     expected = pipeline(qg.Surface.read("blob.off")).attributes
     assert set(arrays) == set(names)
     for name in names:
         np.testing.assert_array_equal(arrays[name], expected[name])
-        np.testing.assert_array_equal(qg.Surface.read("qgeo-out/run/blob.ply").attributes[name], expected[name])
+        np.testing.assert_array_equal(
+            qg.Surface.read("qgeo-out/run-pipe-blob/blob.ply").attributes[name], expected[name]
+        )
         assert f"{name}.png" in content["files"]
     assert content["parameters"]["2. QuasiGeodesicDistances"]["sources"] == 4
 
@@ -259,7 +261,7 @@ def test_run_on_several_meshes_gives_each_a_folder(qgeo: Qgeo, loaded: Loaded, p
     pipeline.save("pipe.yaml")
     assert qgeo("run", "pipe.yaml", "blob.off", "square.obj", "other/blob.off", "--no-pictures").exit_code == 0
     for folder, path in (("blob-1", "blob.off"), ("square", "square.obj"), ("blob-2", "other/blob.off")):
-        content, arrays = loaded(Path("qgeo-out/run") / folder)
+        content, arrays = loaded(Path("qgeo-out/run-pipe-blob-and-2-more") / folder)
         assert content["mesh"]["path"] == path
         assert len(arrays["qgeo_distance"]) == content["mesh"]["vertices"]
 
@@ -268,7 +270,7 @@ def test_run_repairs(qgeo: Qgeo, loaded: Loaded) -> None:
     qg.Pipeline([qg.QuasiGeodesicDistances()]).save("pipe.yaml")
     assert qgeo("run", "pipe.yaml", "fan.off", "--no-repair").exit_code == 2
     assert qgeo("run", "pipe.yaml", "fan.off", "--force-repair").exit_code == 0
-    content, _ = loaded(Path("qgeo-out/run"))
+    content, _ = loaded(Path("qgeo-out/run-pipe-fan"))
     assert content["mesh"]["repaired"]
 
 
@@ -277,13 +279,13 @@ def test_run_repairs(qgeo: Qgeo, loaded: Loaded) -> None:
 
 def test_no_pictures(qgeo: Qgeo, loaded: Loaded) -> None:
     assert qgeo("spectrum", "sphere.ply", "-k", 3, "--no-pictures").exit_code == 0
-    content, _ = loaded(Path("qgeo-out/spectrum"))
+    content, _ = loaded(Path("qgeo-out/spectrum-sphere"))
     assert not [name for name in content["files"] if name.endswith(".png")]
 
 
 def test_json_is_printed_and_nothing_else(qgeo: Qgeo) -> None:
     result = qgeo("info", "sphere.ply", "--json")
-    assert json.loads(result.stdout) == json.loads(Path("qgeo-out/info/result.json").read_text(encoding="utf-8"))
+    assert json.loads(result.stdout) == json.loads(Path("qgeo-out/info-sphere/result.json").read_text(encoding="utf-8"))
     assert result.stderr == ""
 
 
@@ -297,7 +299,7 @@ def test_each_command_has_its_own_folder(qgeo: Qgeo, loaded: Loaded) -> None:
     for command in ("info", "distances"):
         assert qgeo(command, "sphere.ply", "--no-pictures").exit_code == 0
     for command in ("info", "distances"):
-        assert loaded(Path("qgeo-out") / command)[0]["command"] == command
+        assert loaded(Path("qgeo-out") / f"{command}-sphere")[0]["command"] == command
 
 
 def test_same_input_same_files(qgeo: Qgeo) -> None:
@@ -329,7 +331,7 @@ def test_help_and_version(qgeo: Qgeo) -> None:
         assert "--output" in shown.stdout
 
 
-LONG = ("demo", "distances", "spectrum", "symmetry", "match", "compatibility", "evaluate", "run")
+LONG = ("demo", "distances", "path", "spectrum", "symmetry", "match", "compatibility", "evaluate", "run")
 
 
 def test_workers_bound_the_threads_and_change_nothing_else(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -347,8 +349,13 @@ def test_workers_bound_the_threads_and_change_nothing_else(qgeo: Qgeo, monkeypat
 
 
 @pytest.mark.parametrize("command", LONG)
-def test_commands_that_take_long_take_workers(qgeo: Qgeo, command: str) -> None:
-    assert "--workers" in qgeo(command, "-h").stdout
-    arguments = {"match": ["blob.off", "blob.off"], "run": ["p.yaml", "blob.off"], "evaluate": ["tosca", "--root", "."]}
-    result = qgeo(command, *arguments.get(command, [] if command == "demo" else ["blob.off"]), "--workers", 0)
+def test_commands_that_take_long_take_threads(qgeo: Qgeo, command: str) -> None:
+    assert "--threads" in qgeo(command, "-h").stdout
+    arguments = {
+        "match": ["blob.off", "blob.off"],
+        "run": ["p.yaml", "blob.off"],
+        "path": ["blob.off", 0, 1],
+        "evaluate": ["tosca", "--root", "."],
+    }
+    result = qgeo(command, *arguments.get(command, [] if command == "demo" else ["blob.off"]), "--threads", 0)
     assert (result.exit_code, result.stderr) == (2, "qgeo: workers must be at least 1, got 0\n")

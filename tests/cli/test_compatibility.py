@@ -29,7 +29,7 @@ def poses(meshes: Path) -> list[str]:
 def test_compatibility(qgeo: Qgeo, loaded: Loaded, poses: list[str]) -> None:
     result = qgeo("compatibility", *poses, "-k", 8)
     assert result.exit_code == 0, result.stderr
-    content, arrays = loaded(Path("qgeo-out/compatibility"))
+    content, arrays = loaded(Path("qgeo-out/compatibility-blob-moved-stretched"))
     expected = compatibility([qg.Surface.read(name) for name in poses], k=8)
     np.testing.assert_allclose(arrays["c_xy"], expected.c_xy, atol=1e-6)
     assert arrays["d_s"] == content["results"]["d_s"] == pytest.approx(expected.d_s)
@@ -41,7 +41,7 @@ def test_compatibility(qgeo: Qgeo, loaded: Loaded, poses: list[str]) -> None:
 
 def test_baselines(qgeo: Qgeo, loaded: Loaded, poses: list[str]) -> None:
     assert qgeo("compatibility", *poses, "-k", 5, "--baselines", 1, 2, "--no-pictures").exit_code == 0
-    content, arrays = loaded(Path("qgeo-out/compatibility"))
+    content, arrays = loaded(Path("qgeo-out/compatibility-blob-moved-stretched"))
     assert content["results"]["c_xy_of_the_baselines"] == arrays["c_xy"][1, 2]
 
 

@@ -52,16 +52,16 @@ def matched(x: PreparedShape, y: PreparedShape, **options: Any) -> MatchResult:
 def test_matches(qgeo: Qgeo, loaded: Loaded, dataset: Path) -> None:
     result = qgeo("evaluate", "tosca", "--root", dataset, "--pairs", 2)
     assert result.exit_code == 0, result.stderr
-    content, arrays = loaded(Path("qgeo-out/evaluate"))
+    content, arrays = loaded(Path("qgeo-out/evaluate-tosca"))
     found = content["results"]
     assert (found["pairs"], found["failed"], found["mirrored"]) == (2, 0, 0)
     assert found["mean_error"] == arrays["errors"].mean() < 0.01
     assert len(arrays["errors"]) == len(arrays["pair"]) == 2 * 162
-    table = Path("qgeo-out/evaluate/table.md").read_text(encoding="utf-8")
+    table = Path("qgeo-out/evaluate-tosca/table.md").read_text(encoding="utf-8")
     assert [line.split("|")[1].strip() for line in table.splitlines()[2:]] == ["egg", "all"]
     again = qgeo("evaluate", "tosca", "--root", dataset, "--pairs", 2, "--no-pictures")
     assert "2 of 2 results are those of an earlier run" in again.stderr, "the same pairs are chosen"
-    chosen, _ = loaded(Path("qgeo-out/evaluate"))
+    chosen, _ = loaded(Path("qgeo-out/evaluate-tosca"))
     assert [row["name"] for row in chosen["results"]["rows"]] == [row["name"] for row in found["rows"]]
 
 
@@ -97,7 +97,7 @@ def test_names_are_those_of_the_benchmarks() -> None:
 def test_symmetries(qgeo: Qgeo, loaded: Loaded, dataset: Path) -> None:
     result = qgeo("evaluate", "tosca", "--root", dataset, "--what", "symmetry", "--pairs", 1, "--no-pictures")
     assert result.exit_code == 0, result.stderr
-    content, arrays = loaded(Path("qgeo-out/evaluate"))
+    content, arrays = loaded(Path("qgeo-out/evaluate-tosca-symmetry"))
     assert content["results"]["pairs"] == 1
     assert arrays["errors"].mean() < 0.01
 
@@ -127,11 +127,11 @@ def test_a_pair_that_cannot_be_measured_is_named_and_the_rest_goes_on(
     assert (result.exit_code, result.stderr.count("\n")) == (1, 5)
     assert "egg0 - egg1: no ground truth for egg1" in result.stderr
     assert "egg2 - egg3: " in result.stderr
-    content, _ = loaded(Path("qgeo-out/evaluate"))
+    content, _ = loaded(Path("qgeo-out/evaluate-tosca"))
     assert (content["results"]["pairs"], content["results"]["not_measured"]) == (1, 5)
     assert [row["name"] for row in content["results"]["rows"]] == ["egg0 - egg2"]
     assert content["results"]["reasons"][0]["name"] == "egg0 - egg1"
-    assert "Not measured" in Path("qgeo-out/evaluate/report.html").read_text(encoding="utf-8")
+    assert "Not measured" in Path("qgeo-out/evaluate-tosca/report.html").read_text(encoding="utf-8")
 
 
 def test_where_nothing_can_be_measured_the_first_reason_is_the_error(qgeo: Qgeo, dataset: Path) -> None:
@@ -155,15 +155,15 @@ def test_an_interrupted_run_goes_on(qgeo: Qgeo, loaded: Loaded, dataset: Path, m
     monkeypatch.setattr(runner, "match", counted)
     command = ("evaluate", "tosca", "--root", dataset, "--no-pictures")
     assert qgeo(*command).exit_code == 130
-    assert [file.name for file in Path("qgeo-out/evaluate/pairs").iterdir()] == ["egg0-egg1.npz"]
+    assert [file.name for file in Path("qgeo-out/evaluate-tosca/pairs").iterdir()] == ["egg0-egg1.npz"]
     result = qgeo(*command)
     assert result.exit_code == 0, result.stderr
     assert len(turns) == 4
     assert "1 of 3 results are those of an earlier run" in result.stderr
-    first, arrays = loaded(Path("qgeo-out/evaluate"))
+    first, arrays = loaded(Path("qgeo-out/evaluate-tosca"))
     assert qgeo(*command).exit_code == 0
     assert len(turns) == 4
-    second, again = loaded(Path("qgeo-out/evaluate"))
+    second, again = loaded(Path("qgeo-out/evaluate-tosca"))
     assert first["results"] == second["results"]
     np.testing.assert_array_equal(arrays["errors"], again["errors"])
 
@@ -188,7 +188,7 @@ def test_a_file_of_the_users_among_the_pairs_is_met_before_anything_is_matched(
     qgeo: Qgeo, dataset: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(runner, "match", None)
-    folder = Path("qgeo-out/evaluate/pairs")
+    folder = Path("qgeo-out/evaluate-tosca/pairs")
     folder.mkdir(parents=True)
     for name in ("egg0-egg1", "egg0-egg2", "egg1-egg2"):
         (folder / f"{name}.npz").write_bytes(b"PK mine")

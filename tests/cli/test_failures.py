@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import json
 import os
 import subprocess
 import sys
@@ -19,10 +21,9 @@ Qgeo = Callable[..., Result]
 
 BAD = [
     (["info", "nowhere.off"], "nowhere.off"),
-    (["info", "."], "folder"),
     (["info", "pipe.yaml"], "unknown suffix '.yaml'"),
     (["info", "broken.off"], "broken.off"),
-    (["info"], "Missing argument 'MESH'"),
+    (["info"], "Missing argument 'MESH...'"),
     (["info", "sphere.ply", "--bogus"], "No such option: --bogus"),
     (["bogus"], "No such command 'bogus'"),
     (["distances", "fan.off", "--no-repair"], "edge (0, 1) has 3 faces"),
@@ -99,19 +100,47 @@ def test_a_matrix_on_disk_that_is_not_this_one(qgeo: Qgeo, monkeypatch: pytest.M
     assert "read-only" in refused("sphere.ply")
 
 
-def test_a_bad_mesh_among_several_is_met_before_any_is_computed(qgeo: Qgeo) -> None:
+def test_bad_meshes_among_several_are_named_and_the_rest_goes_on(qgeo: Qgeo) -> None:
     Path("pipe.yaml").write_text("qgeo_pipeline: 1\nsteps: [DifferentialCoordinates]\n")
-    result = qgeo("run", "pipe.yaml", "sphere.ply", "broken.off")
+    Path("few").mkdir()
+    for name in ("sphere.ply", "broken.off"):
+        Path(name).rename(f"few/{name}")
+    for command in (["run", "pipe.yaml"], ["info"], ["distances"], ["spectrum", "-k", 3], ["symmetry", "--no-map"]):
+        result = qgeo(*command, "few", "nowhere.off", "blob.off", "--no-pictures", "-q", "-o", "out")
+        assert result.exit_code == 1
+        said = result.stderr.splitlines()
+        assert len(said) == 3
+        assert said[0] == "qgeo: no such file: nowhere.off"
+        assert said[1].startswith("qgeo: few/broken.off: ")
+        assert said[2] == "qgeo: 2 of 4 meshes have no results"
+        assert {path.name for path in Path("out").iterdir()} == {"sphere", "blob"}
+        for name in ("sphere", "blob"):
+            assert json.loads(Path("out", name, "result.json").read_text())["command"] == command[0]
+
+
+def test_a_full_disk_ends_a_batch(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
+    from qgeo_filters.cli.job import Job
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device", "result.npz")
+
+    monkeypatch.setattr(Job, "save", full)
+    result = qgeo("info", "sphere.ply", "blob.off", "-q")
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert "No space left" in result.stderr
+
+
+def test_one_matrix_file_is_of_one_mesh(qgeo: Qgeo) -> None:
+    result = qgeo("distances", "sphere.ply", "blob.off", "--matrix", "d.zarr")
     assert result.exit_code == 2
-    assert "broken.off" in result.stderr
-    assert not Path("qgeo-out").exists()
+    assert "--matrix is the file of one mesh" in result.stderr
 
 
 def test_bad_input_leaves_an_earlier_result_alone(qgeo: Qgeo) -> None:
     assert qgeo("info", "sphere.ply").exit_code == 0
-    before = {path.name: path.read_bytes() for path in Path("qgeo-out/info").iterdir()}
+    before = {path.name: path.read_bytes() for path in Path("qgeo-out/info-sphere").iterdir()}
     assert qgeo("spectrum", "sphere.ply", "-k", 0).exit_code == 2
-    assert {path.name: path.read_bytes() for path in Path("qgeo-out/info").iterdir()} == before
+    assert {path.name: path.read_bytes() for path in Path("qgeo-out/info-sphere").iterdir()} == before
 
 
 def test_too_large_a_matrix_is_refused_before_it_is_tried(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -151,7 +180,7 @@ def test_a_failing_write_leaves_no_part_of_a_file(qgeo: Qgeo, monkeypatch: pytes
     result = qgeo("info", "sphere.ply")
     assert result.exit_code == 2
     assert result.stderr == "qgeo: result.npz: No space left on device: make room, or write elsewhere\n"
-    assert list(Path("qgeo-out/info").iterdir()) == []
+    assert list(Path("qgeo-out/info-sphere").iterdir()) == []
 
 
 def test_interruption_keeps_what_is_finished(qgeo: Qgeo, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -164,9 +193,9 @@ def test_interruption_keeps_what_is_finished(qgeo: Qgeo, monkeypatch: pytest.Mon
     result = qgeo("spectrum", "sphere.ply", "-k", 3)
     assert result.exit_code == 130
     assert result.stderr == "qgeo: interrupted; what was finished is kept\n"
-    names = {path.name for path in Path("qgeo-out/spectrum").iterdir()}
+    names = {path.name for path in Path("qgeo-out/spectrum-sphere").iterdir()}
     assert names == {"result.json", "result.npz", "sphere.ply", "eigenfunctions.png"}
-    assert len(np.load("qgeo-out/spectrum/result.npz")["eigenvalues"]) == 3
+    assert len(np.load("qgeo-out/spectrum-sphere/result.npz")["eigenvalues"]) == 3
 
 
 # -- as a process -----------------------------------------------------------------------------------
@@ -182,7 +211,7 @@ def process(*command: object, cwd: Path, code: str = "") -> subprocess.Completed
 def test_process_succeeds(meshes: Path) -> None:
     done = process("info", "sphere.ply", "-q", cwd=meshes)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    assert (meshes / "qgeo-out/info/report.html").exists()
+    assert (meshes / "qgeo-out/info-sphere/report.html").exists()
 
 
 def test_process_needs_no_display(meshes: Path) -> None:
@@ -234,4 +263,8 @@ def test_process_interrupted_by_a_signal(meshes: Path) -> None:
     done = process("info", "sphere.ply", cwd=meshes, code=code)
     assert done.returncode == 130
     assert done.stderr == "qgeo: interrupted; what was finished is kept\n"
-    assert {path.name for path in (meshes / "qgeo-out/info").iterdir()} == {"result.json", "result.npz", "sphere.ply"}
+    assert {path.name for path in (meshes / "qgeo-out/info-sphere").iterdir()} == {
+        "result.json",
+        "result.npz",
+        "sphere.ply",
+    }

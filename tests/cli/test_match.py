@@ -41,7 +41,7 @@ def test_match(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> None:
     np.savetxt("truth.txt", truth, fmt="%d")
     result = qgeo("match", "blob.off", "other/blob.off", "--truth", "truth.txt")
     assert result.exit_code == 0, result.stderr
-    content, arrays = loaded(Path("qgeo-out/match"))
+    content, arrays = loaded(Path("qgeo-out/match-blob-blob"))
     assert [mesh["path"] for mesh in content["meshes"]] == ["blob.off", "other/blob.off"]
     found = content["results"]
     np.testing.assert_array_equal(arrays["p2p"], truth)
@@ -54,7 +54,7 @@ def test_match(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> None:
     assert found["c_xy"] < 1e-3
     assert found["mean_error"] == 0.0
     assert found["percent_within_0.05"] == 100.0
-    x, y = (qg.Surface.read(f"qgeo-out/match/blob-{number}.ply") for number in (1, 2))
+    x, y = (qg.Surface.read(f"qgeo-out/match-blob-blob/blob-{number}.ply") for number in (1, 2))
     np.testing.assert_array_equal(x.attributes["qgeo_correspondence"], truth)
     np.testing.assert_array_equal(x.attributes["qgeo_region"], arrays["regions_x"])
     np.testing.assert_array_equal(y.attributes["qgeo_region"], arrays["regions_y"])
@@ -71,7 +71,7 @@ def test_match(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> None:
         "match_log.md",
     }
     assert pictures <= set(content["files"])
-    rows = Path("qgeo-out/match/match_log.md").read_text().splitlines()
+    rows = Path("qgeo-out/match-blob-blob/match_log.md").read_text().splitlines()
     assert rows[2].endswith("| chosen |")
     assert len(rows) > 4
 
@@ -93,28 +93,28 @@ def test_landmarks_tables_and_scenes(qgeo: Qgeo, loaded: Loaded, truth: np.ndarr
     qg.write_landmarks("marks.fcsv", qg.Landmarks(list(MARKS), points, frame="RAS"))
     result = qgeo("match", "blob.off", "other/blob.off", "--landmarks", "marks.fcsv", "--csv", "--no-pictures")
     assert result.exit_code == 0, result.stderr
-    content, arrays = loaded(Path("qgeo-out/match"))
+    content, arrays = loaded(Path("qgeo-out/match-blob-blob"))
     assert {"landmarks_Y.fcsv", "landmarks.csv", "map.csv", "match.glb"} <= set(content["files"])
     assert content["parameters"]["landmarks"] == "marks.fcsv"
-    found = qg.read_landmarks("qgeo-out/match/landmarks_Y.fcsv")
+    found = qg.read_landmarks("qgeo-out/match-blob-blob/landmarks_Y.fcsv")
     assert (found.names, found.frame) == (tuple(MARKS), "RAS")
     np.testing.assert_allclose(found.points, placed(points), atol=1e-3)
-    with Path("qgeo-out/match/landmarks.csv").open(newline="") as file:
+    with Path("qgeo-out/match-blob-blob/landmarks.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["name"] for row in rows] == list(MARKS)
     assert [int(row["x_vertex"]) for row in rows[:2]] == vertices[:2].tolist()
     assert [int(row["y_vertex"]) for row in rows[:2]] == truth[vertices[:2]].tolist()
     assert [float(row["y_z"]) for row in rows] == found.points[:, 2].tolist()
-    with Path("qgeo-out/match/map.csv").open(newline="") as file:
+    with Path("qgeo-out/match-blob-blob/map.csv").open(newline="") as file:
         assert [int(row["y_vertex"]) for row in csv.DictReader(file)] == truth.tolist()
-    page = Path("qgeo-out/match/report.html").read_text()
+    page = Path("qgeo-out/match-blob-blob/report.html").read_text()
     for said in ("left, ear", "match.glb", "landmarks_Y.fcsv"):
         assert said in page
     # The whole result comes back, and the scene shows both shapes where they do not touch, in equal colours.
-    again = qg.MatchResult.from_npz("qgeo-out/match/result.npz")
+    again = qg.MatchResult.from_npz("qgeo-out/match-blob-blob/result.npz")
     np.testing.assert_array_equal(again.p2p, arrays["p2p"])
     np.testing.assert_array_equal(again.landmarks(again.x.vertices[vertices]).vertices, truth[vertices])
-    scene = trimesh.load("qgeo-out/match/match.glb", process=False)
+    scene = trimesh.load("qgeo-out/match-blob-blob/match.glb", process=False)
     meshes = {name: scene.geometry[f"{name} mesh"] for name in "XY"}
     np.testing.assert_allclose(meshes["X"].vertices, x.vertices, atol=1e-6)
     np.testing.assert_allclose(meshes["Y"].vertices, y.vertices, atol=1e-5)
@@ -143,10 +143,10 @@ def test_landmarks_of_vertices_in_a_table(qgeo: Qgeo, truth: np.ndarray) -> None
         "--quiet",
     )
     assert qgeo(*command).exit_code == 0
-    found = qg.read_landmarks("qgeo-out/match/landmarks_Y.csv")
+    found = qg.read_landmarks("qgeo-out/match-blob-blob/landmarks_Y.csv")
     assert found.names == tuple(MARKS)
     assert found.vertices.tolist() == truth[list(MARKS.values())].tolist()
-    assert not Path("qgeo-out/match/match.glb").exists()
+    assert not Path("qgeo-out/match-blob-blob/match.glb").exists()
 
 
 @pytest.mark.parametrize(
@@ -178,7 +178,7 @@ def test_errors_are_measured_on_y(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray)
     np.savez("truth.npz", truth=wrong, something_else=np.zeros(3))
     command = ("match", "blob.off", "other/blob.off", "--truth", "truth.npz", "--no-pictures")
     assert qgeo(*command).exit_code == 0
-    _, arrays = loaded(Path("qgeo-out/match"))
+    _, arrays = loaded(Path("qgeo-out/match-blob-blob"))
     expected = qg.distances(y, [truth[7]])[0, truth[90]] / np.sqrt(y.area)
     assert arrays["errors"][7] == pytest.approx(expected, rel=1e-3)
     assert np.flatnonzero(arrays["errors"]).tolist() == [7]
@@ -241,7 +241,7 @@ def test_hints_from_a_file(qgeo: Qgeo, loaded: Loaded, truth: np.ndarray) -> Non
     command = ("match", "blob.off", "other/blob.off", "--hints", "hints.csv", "--no-pictures")
     result = qgeo(*command)
     assert result.exit_code == 0, result.stderr
-    content, arrays = loaded(Path("qgeo-out/match"))
+    content, arrays = loaded(Path("qgeo-out/match-blob-blob"))
     np.testing.assert_array_equal(arrays["landmarks"], pairs)
     assert arrays["landmark_errors"][:3].max() < 0.05 < 0.1 < arrays["landmark_errors"][3]
     assert (arrays["p2p"] == truth).mean() > 0.95
@@ -291,7 +291,7 @@ def test_a_part(qgeo: Qgeo, loaded: Loaded, how: str) -> None:
     np.savetxt("truth.txt", numbers, fmt="%d")
     result = qgeo("match", "part.off", "body.off", how, "--truth", "truth.txt")
     assert result.exit_code == 0, result.stderr
-    content, arrays = loaded(Path("qgeo-out/match"))
+    content, arrays = loaded(Path("qgeo-out/match-part-body"))
     found = content["results"]
     assert found["confident"], found["explanation"]
     assert found["mean_error"] < 0.03

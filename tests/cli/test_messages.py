@@ -49,11 +49,11 @@ def test_names_are_printed_as_they_are(qgeo: Qgeo, name: str) -> None:
     result = qgeo("info", "--no-pictures", "--", f"{name}.off")
     assert result.exit_code == 0, result.output
     assert f"info  {name}.off" in result.stdout
-    assert f"result.json, result.npz, {name}.ply, report.html in qgeo-out/info" in result.stdout
-    listed = json.loads(Path("qgeo-out/info/result.json").read_text(encoding="utf-8"))
+    assert f"result.json, result.npz, {name}.ply, report.html in qgeo-out/info-{name}" in result.stdout
+    listed = json.loads(Path(f"qgeo-out/info-{name}/result.json").read_text(encoding="utf-8"))
     assert listed["mesh"]["path"] == f"{name}.off"
     escaped = name.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-    assert f"<h1>qgeo info: {escaped}.off</h1>" in Path("qgeo-out/info/report.html").read_text(encoding="utf-8")
+    assert f"<h1>qgeo info: {escaped}.off</h1>" in Path(f"qgeo-out/info-{name}/report.html").read_text(encoding="utf-8")
     Path(f"{name}.off").write_text("OFF\n1 1 0\n")
     result = qgeo("info", "--", f"{name}.off")
     assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
@@ -78,7 +78,7 @@ def test_a_name_that_is_no_text(meshes: Path) -> None:
         output = [] if code == 0 else ["-o", "."]
         if code == 2:
             os.rename(
-                os.path.join(os.fsencode(meshes), b"qgeo-out/info/" + name + b".ply"),
+                os.path.join(os.fsencode(meshes), b"qgeo-out/info-caf/" + name + b".ply"),
                 os.path.join(os.fsencode(meshes), name + b".ply"),
             )
         mesh = os.fsdecode(name) + (".off" if code == 0 else ".ply")
@@ -87,7 +87,7 @@ def test_a_name_that_is_no_text(meshes: Path) -> None:
         )
         assert done.returncode == code, done.stderr
         assert expected in done.stderr
-    assert r'"path": "caf\udce9.off"' in (meshes / "qgeo-out/info/result.json").read_text(encoding="utf-8")
+    assert r'"path": "caf\udce9.off"' in (meshes / "qgeo-out/info-caf/result.json").read_text(encoding="utf-8")
 
 
 # -- which mesh ---------------------------------------------------------------------------------------
@@ -100,7 +100,7 @@ def test_a_name_that_is_no_text(meshes: Path) -> None:
         (("spectrum", "two.off"), "two.off: "),
         (("symmetry", "square.obj"), "square.obj: matching needs at least"),
         (("path", "two.off", 0, 200), "two.off: "),
-        (("run", "pipe.yaml", "sphere.ply", "fan.off", "--no-repair"), "fan.off: "),
+        (("run", "pipe.yaml", "fan.off", "--no-repair"), "fan.off: "),
         (("match", "square.obj", "blob.off"), "X (square.obj): matching needs at least 60 vertices, got 49"),
         (("match", "blob.off", "square.obj"), "Y (square.obj): matching needs at least 60 vertices, got 49"),
         (("match", "blob.off", "broken.off"), "Y (broken.off): "),

@@ -35,13 +35,13 @@ def test_distances_of_a_mess_are_those_of_the_clean_mesh(qgeo: Qgeo, loaded: Loa
     of_clean = write_mess("mess.ply", V, F)
     here = of_clean >= 0
     assert qgeo("distances", "mess.ply", "-s", "700,3", "-w", 0, "--no-pictures").exit_code == 0
-    content, arrays = loaded(Path("qgeo-out/distances"))
+    content, arrays = loaded(Path("qgeo-out/distances-mess"))
     wanted = qg.distances((V, F), of_clean[[700, 3]], "cartesian")
     np.testing.assert_allclose(arrays["distances"][:, here], wanted[:, of_clean[here]], rtol=2e-3, atol=1e-9)
     assert np.isinf(arrays["distances"][:, ~here]).all()  # the crumb stays, and cannot be reached
     assert any("joined with others" in line for line in content["mesh"]["repaired"])
     assert content["mesh"]["vertices_of_the_file"] == len(of_clean)
-    drawn = qg.Surface.read("qgeo-out/distances/mess.ply")
+    drawn = qg.Surface.read("qgeo-out/distances-mess/mess.ply")
     np.testing.assert_array_equal(drawn.attributes["qgeo_distance"], arrays["distances"].T)
     np.testing.assert_array_equal(drawn.faces, np.arange(len(of_clean)).reshape(-1, 3))
     all_pairs = qgeo("distances", "mess.ply", "-w", 0, "--no-pictures", "-o", "all")
@@ -54,7 +54,7 @@ def test_distances_of_a_mess_are_those_of_the_clean_mesh(qgeo: Qgeo, loaded: Loa
 def test_a_path_runs_over_the_seams(qgeo: Qgeo, loaded: Loaded) -> None:
     of_clean = write_mess("mess.ply", V, F)
     assert qgeo("path", "mess.ply", 3, 700, "-w", 0, "--no-pictures").exit_code == 0
-    _, arrays = loaded(Path("qgeo-out/path"))
+    _, arrays = loaded(Path("qgeo-out/path-mess-3-700"))
     wanted = qg.quasi_geodesic((V, F), *of_clean[[3, 700]], metric="cartesian")
     assert float(arrays["length"]) == pytest.approx(wanted.length, rel=1e-6)
     mess = qg.Surface.read("mess.ply")
@@ -68,7 +68,7 @@ def test_spectra_of_a_mess_are_on_the_vertices_of_the_file(qgeo: Qgeo, loaded: L
     of_clean = write_mess("mess.ply", V, F)
     here = of_clean >= 0
     assert qgeo("spectrum", "mess.ply", "-k", 3, "--no-pictures").exit_code == 0
-    _, arrays = loaded(Path("qgeo-out/spectrum"))
+    _, arrays = loaded(Path("qgeo-out/spectrum-mess"))
     wanted = qg.distance_spectrum((V, F), 3)
     np.testing.assert_allclose(arrays["eigenvalues"], wanted.eigenvalues, rtol=1e-3)
     found = arrays["eigenfunctions"][here]
@@ -88,14 +88,14 @@ def test_a_map_of_messes_names_vertices_of_the_files(qgeo: Qgeo, loaded: Loaded)
     of_y = order[write_mess("y.off", vertices[order], np.argsort(order)[faces], 2)]
     of_y[-3:] = -1
     assert qgeo("match", "x.ply", "y.off", "--no-pictures").exit_code == 0
-    content, arrays = loaded(Path("qgeo-out/match"))
+    content, arrays = loaded(Path("qgeo-out/match-x-y"))
     here = of_x >= 0
     assert (arrays["p2p"][~here] == -1).all()
     off = np.linalg.norm(vertices[of_y[arrays["p2p"][here]]] - vertices[of_x[here]], axis=1)
     assert off.max() <= qg.Surface(vertices, faces).edge_lengths.max()
     for mesh in content["meshes"]:
         assert any("joined with others" in line for line in mesh["repaired"])
-    page = Path("qgeo-out/match/report.html").read_text(encoding="utf-8")
+    page = Path("qgeo-out/match-x-y/report.html").read_text(encoding="utf-8")
     assert "joined with others" in page
 
 
@@ -104,12 +104,12 @@ def test_a_symmetry_names_vertices_of_the_file(qgeo: Qgeo, loaded: Loaded) -> No
     of_clean = write_mess("mess.ply", vertices, faces)
     here = of_clean >= 0
     assert qgeo("symmetry", "mess.ply", "--no-pictures").exit_code == 0
-    _, arrays = loaded(Path("qgeo-out/symmetry"))
+    _, arrays = loaded(Path("qgeo-out/symmetry-mess"))
     assert arrays["found"]
     mirror = vertices[of_clean[here]] * [-1, 1, 1]
     edge = qg.Surface(vertices, faces).edge_lengths.max()
     assert (np.linalg.norm(vertices[of_clean[arrays["symmetry"][here]]] - mirror, axis=1) < edge).all()
-    drawn = qg.Surface.read("qgeo-out/symmetry/mess.ply")
+    drawn = qg.Surface.read("qgeo-out/symmetry-mess/mess.ply")
     np.testing.assert_array_equal(drawn.attributes["qgeo_symmetry"], arrays["symmetry"])
     assert np.isnan(arrays["asymmetry"][~here]).all()
 
@@ -117,5 +117,5 @@ def test_a_symmetry_names_vertices_of_the_file(qgeo: Qgeo, loaded: Loaded) -> No
 def test_a_tidy_mesh_is_not_said_to_be_repaired(qgeo: Qgeo, loaded: Loaded) -> None:
     shown = qgeo("spectrum", "sphere.ply", "-k", 3, "--no-pictures")
     assert "repaired" not in shown.stdout
-    content = json.loads(Path("qgeo-out/spectrum/result.json").read_text(encoding="utf-8"))
+    content = json.loads(Path("qgeo-out/spectrum-sphere/result.json").read_text(encoding="utf-8"))
     assert "repaired" not in content["mesh"]
