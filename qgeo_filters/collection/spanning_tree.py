@@ -46,7 +46,7 @@ def spanning_tree(names: Iterable[str], costs: Mapping[Pair, float]) -> list[Pai
         if x != y:
             key = min(place[x], place[y]), max(place[x], place[y])
             best[key] = min(cost, best.get(key, np.inf))
-    rows, columns = (np.array([key[side] for key in best], dtype=np.int64) for side in (0, 1))
+    rows, columns = (np.array([key[side] for key in best], dtype=np.int32) for side in (0, 1))
     # Zeros are no edges to SciPy.
     values = np.array(list(best.values())) + 1.0
     graph = sparse.csr_array((values, (rows, columns)), (len(names), len(names)))

@@ -45,7 +45,8 @@ class RotationWalk:
         order = np.lexsort((-np.trace(rotations, axis1=1, axis2=2), piece))
         roots = order[np.searchsorted(piece[order], np.arange(pieces))]
         # One more node, not turned, from which all pieces are reached.
-        ends = np.concatenate([one, np.full(pieces, m)]), np.concatenate([other, roots])
+        # SciPy before 1.16 takes no trees of graphs that are numbered in 64 bits.
+        ends = tuple(side.astype(np.int32) for side in (np.r_[one, np.full(pieces, m)], np.r_[other, roots]))
         graph = sparse.csr_array((np.concatenate([steps, np.ones(pieces)]), ends), (m + 1, m + 1))
         walk, before = breadth_first_order(minimum_spanning_tree(graph), m, directed=False)
         self._walk = np.ascontiguousarray(walk[1:], dtype=np.int64)
