@@ -185,7 +185,7 @@ def _contradictions(collection: Collection) -> list[tuple[str, float]]:
 
 def _page_names(pairs: list[tuple[str, str]]) -> dict[tuple[str, str], str]:
     """File of each pair: its names, as far as files can be called so."""
-    from qgeo_filters.cli.job import numbered
+    from qgeo_filters.cli.job_text import numbered
 
     plain = [re.sub(r"[^\w.-]+", "_", f"{x}--{y}") for x, y in pairs]
     return dict(zip(pairs, (_PAGE.format(name) for name in numbered(plain)), strict=True))
@@ -193,7 +193,7 @@ def _page_names(pairs: list[tuple[str, str]]) -> dict[tuple[str, str], str]:
 
 def _write_page(job: Job, collection: Collection, pair: tuple[str, str], name: str, pictures: bool) -> None:
     from qgeo_filters import __version__
-    from qgeo_filters.cli.job import as_title
+    from qgeo_filters.cli.job_text import as_title
     from qgeo_filters.cli.match import match_results
     from qgeo_filters.report.figures import plot_correspondence, plot_scalar
     from qgeo_filters.report.html import Link, Picture, Table, write_report

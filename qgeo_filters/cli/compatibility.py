@@ -54,7 +54,8 @@ def compatibility(
     """
     import numpy as np
 
-    from qgeo_filters.cli.job import Job, as_title
+    from qgeo_filters.cli.job import Job
+    from qgeo_filters.cli.job_text import as_title
     from qgeo_filters.matching.compatibility import compatibility as compatibility_of
     from qgeo_filters.report.curves import plot_pairwise
     from qgeo_filters.report.html import Table

@@ -39,7 +39,7 @@ def in_turn(
     if len(meshes) == 1 and not meshes[0].is_dir():
         one(meshes[0], settings)
         return
-    from qgeo_filters.cli.job import numbered
+    from qgeo_filters.cli.job_text import numbered
 
     below = default_folder(command, [*about, *(path.resolve().stem for path in meshes)])
     files: list[Path] = []

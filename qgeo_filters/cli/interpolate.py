@@ -53,7 +53,8 @@ def interpolate(
     from qgeo_filters.animation.interpolate import interpolate as interpolated
     from qgeo_filters.animation.poses import same_triangles
     from qgeo_filters.cli import animations
-    from qgeo_filters.cli.job import Job, as_title
+    from qgeo_filters.cli.job import Job
+    from qgeo_filters.cli.job_text import as_title
     from qgeo_filters.filters import stages
     from qgeo_filters.io.folders import mesh_files
     from qgeo_filters.report.colors import position_colors

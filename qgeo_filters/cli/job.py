@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-import math
 import sys
 import time
 import warnings
@@ -22,19 +20,16 @@ from qgeo_filters import __version__
 from qgeo_filters.caching import cache
 from qgeo_filters.cli.default_folder import default_folder
 from qgeo_filters.cli.errors import to_standard_output
+from qgeo_filters.cli.job_meshes import JobMeshes
+from qgeo_filters.cli.job_text import plain
 from qgeo_filters.cli.options import Settings
 from qgeo_filters.cli.outputs import LISTING, OutputFolder
 from qgeo_filters.cli.stage_display import StageDisplay, expected_seconds, keep_times
-from qgeo_filters.errors import MeshError, ParameterError, QgeoError, TooLargeError, of_file, reason
-from qgeo_filters.filters.repaired import carried_back, repaired_vertices
-from qgeo_filters.hosts.dispatch import as_given, surface_and_repair
-from qgeo_filters.hosts.repair import Repair
-from qgeo_filters.repair.triangle_soup import Pieces
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.report.glossary import meaning
 from qgeo_filters.report.html import Meaning, Picture, Table, formatted, write_report
 from qgeo_filters.report.shown import Shown
 from qgeo_filters.surface import Surface
-from qgeo_filters.validation import checked_indices
 
 _PIPE_WIDTH = 120
 _SIDE_BY_SIDE = 3  # meshes in one table of the report
@@ -42,7 +37,7 @@ _SIDE_BY_SIDE = 3  # meshes in one table of the report
 _PLAIN: dict[str, Any] = {"highlight": False, "markup": False, "emoji": False}
 
 
-class Job:
+class Job(JobMeshes):
     """Results of one command on one mesh, or on several that belong together, in one folder.
 
     Each file is written whole or not at all, in the order in which results come: arrays and mesh first, then the
@@ -82,18 +77,13 @@ class Job:
         meshes_made: Iterable[str | Callable[[Job], str]] = (),
         about: Sequence[str] | None = None,
     ) -> None:
+        super().__init__(settings, meshes, names)
         self.command = command
-        self.settings = settings
         self.parameters = dict(parameters)
         self.subject = ""
-        self.paths = tuple(meshes)
-        self.meshes: list[dict[str, Any]] = []
-        self.repairs: list[Repair | None] = []
         self.results: dict[str, Any] = {}
         self.seconds: dict[str, float] = {}
-        self._names = tuple(names)
         self._pictures: list[Picture] = []
-        self._surfaces: list[Surface] = []
         self._notes = Console(stderr=True, quiet=settings.quiet, soft_wrap=True, **_PLAIN)
         self._display = StageDisplay(self._notes, self.shows_progress)
         drawn = pictures if settings.pictures else ()
@@ -129,114 +119,6 @@ class Job:
         with self._display.stage(name, expected), self.about(mesh):
             yield
         self.seconds[name] = round(time.perf_counter() - started, 3)
-
-    @contextmanager
-    def about(self, mesh: int | None = None) -> Iterator[None]:
-        """Context in which what is wrong with a mesh, or too much, is said with its file: this one's or the only one's.
-
-        Without a number, in a job on several meshes, it is said with the file of the mesh that the message begins with.
-        """
-        index = 0 if mesh is None and len(self.paths) == 1 else mesh
-        try:
-            yield
-        except QgeoError as error:
-            said = str(error)
-            if index is None:
-                index = next((i for i, name in enumerate(self._names) if said.startswith(f"{name}: ")), None)
-            elif not isinstance(error, (MeshError, TooLargeError)):
-                raise
-            if index is None:
-                raise
-            for known in (self.paths[index], *self._names[index : index + 1]):
-                said = said.removeprefix(f"{known}: ")
-            raise type(error)(f"{self._called(index)}: {said}") from error
-        except MemoryError as error:
-            if index is None:
-                raise
-            size = f" of {self.meshes[index]['vertices']} vertices" if len(self.meshes) > index else ""
-            raise MemoryError(f"{self._called(index)}{size}: {reason(error)}") from error
-
-    def _called(self, mesh: int) -> str:
-        """The file of a mesh, behind what the command calls it."""
-        path = str(self.paths[mesh])
-        return f"{self._names[mesh]} ({path})" if self._names else path
-
-    # -- in -----------------------------------------------------------------------------------------
-
-    def read(self, pieces: Pieces = "largest") -> list[Surface]:
-        """Surfaces of the files, repaired if they must or are asked to be, in one piece or in all of them."""
-        for index, path in enumerate(self.paths):
-            with self.stage("read", index), of_file(str(path)):
-                given, repair = surface_and_repair(path, self.settings.repair, pieces)
-            surface = given if repair is None else repair.surface
-            self.repairs.append(repair)
-            self._describe(path, given, surface, repair.report if repair else ())
-        return self._surfaces
-
-    def read_given(self) -> list[Surface]:
-        """Surfaces of the files with all of their vertices, for what repairs them itself and says so by `repaired`."""
-        for index, path in enumerate(self.paths):
-            with self.stage("read", index), of_file(str(path)):
-                given, notes = as_given(path, self.settings.repair)
-            self.repairs.append(None)
-            self._describe(path, given, given, notes)
-        return self._surfaces
-
-    def _describe(self, path: Path, given: Surface, surface: Surface, changes: Sequence[str]) -> None:
-        mesh = {"path": str(path), **description(surface)}
-        if self.settings.repair is not False and (changes or self.settings.repair != "auto"):
-            mesh["repaired"] = list(changes)
-        if surface.n_vertices != given.n_vertices:
-            mesh["vertices_of_the_file"] = given.n_vertices
-        self.meshes.append(mesh)
-        self._surfaces.append(surface)
-
-    def repaired(self, mesh: int, sentences: Sequence[str]) -> None:
-        """Say what was repaired of a mesh after it was read."""
-        if sentences:
-            self.meshes[mesh]["repaired"] = [*self.meshes[mesh].get("repaired", ()), *sentences]
-
-    def given_vertices(self, mesh: int = 0) -> int:
-        """Number of vertices of the file."""
-        repair = self.repairs[mesh]
-        return self._surfaces[mesh].n_vertices if repair is None else repair.given.n_vertices
-
-    def vertices(self, given: Sequence[int], what: str, mesh: int = 0) -> list[int]:
-        """Vertices of the surface that was read, for vertices of the file.
-
-        Raises
-        ------
-        ParameterError, MeshError
-            Out of range, or gone in the repair.
-        """
-        known = checked_indices(np.array(given, dtype=np.int64), self.given_vertices(mesh), what)
-        repair = self.repairs[mesh]
-        return list((known if repair is None else repaired_vertices(repair, what, known)).tolist())
-
-    def as_given(self, vertices: np.ndarray, mesh: int = 0) -> np.ndarray:
-        """Vertices of the file, for vertices of the surface that was read; -1 stays."""
-        repair = self.repairs[mesh]
-        return vertices if repair is None else np.where(vertices >= 0, repair.origin[np.maximum(vertices, 0)], -1)
-
-    def on_given(self, values: np.ndarray, mesh: int = 0, *, axis: int = 0, vertices: bool = False) -> np.ndarray:
-        """Values at the vertices of the file, from those of the surface that was read; NaN or -1 where one is gone.
-
-        Parameters
-        ----------
-        values : array of one entry along ``axis`` for each vertex of the surface
-        mesh, axis : int
-        vertices : bool
-            Whether the values are vertices of the mesh themselves.
-        """
-        repair = self.repairs[mesh]
-        if repair is None:
-            return values
-        return np.moveaxis(carried_back(repair, np.moveaxis(np.asarray(values), axis, 0), vertices), 0, axis)
-
-    @property
-    def names(self) -> list[str]:
-        """Names of the meshes' files without folder and suffix, numbered where they repeat."""
-        return numbered([path.stem or "mesh" for path in self.paths])
 
     # -- out ----------------------------------------------------------------------------------------
 
@@ -286,17 +168,6 @@ class Job:
                     # PLY stands beside them.
                     warnings.filterwarnings("ignore", ".* holds no (such )?attributes, dropped", UserWarning)
                     surface.write(temporary)
-
-    def _of_file(self, surface: Surface, mesh: int, vertices: Iterable[str]) -> Surface:
-        """The mesh with the vertices of the file, and its attributes there."""
-        repair = self.repairs[mesh]
-        if repair is None or surface.faces is not repair.surface.faces:
-            return surface
-        known = repair.surface.attributes
-        added = {name: values for name, values in surface.attributes.items() if known.get(name) is not values}
-        return repair.given.with_attributes(
-            {name: carried_back(repair, values, name in vertices) for name, values in added.items()}
-        )
 
     def picture(self, name: str, caption: str, draw: Callable[[], Figure]) -> None:
         """Draw and write a picture, unless pictures are not wanted."""
@@ -401,49 +272,3 @@ class Job:
             "seconds": self.seconds,
         }
         return dict(plain(content))
-
-
-def description(surface: Surface) -> dict[str, Any]:
-    """Counts and sizes of a mesh."""
-    pieces = surface.components[0] - surface.unreferenced_vertices.size
-    return {
-        "vertices": surface.n_vertices,
-        "faces": surface.n_faces,
-        "edges": len(surface.edges),
-        "area": surface.area,
-        "pieces": pieces,
-        "boundary_loops": len(surface.boundary_loops),
-        "genus": surface.genus,
-        "manifold": surface.is_manifold,
-    }
-
-
-def plain(value: Any) -> Any:
-    """The value in JSON's own types; numbers that are not finite as the strings "inf", "-inf", "nan"."""
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, float) and not math.isfinite(value):
-        return str(value)
-    if isinstance(value, Mapping):
-        return {str(name): plain(item) for name, item in value.items()}
-    if isinstance(value, (list, tuple, np.ndarray)):
-        return [plain(item) for item in value]
-    return str(value) if isinstance(value, Path) else value
-
-
-def as_title(name: str) -> str:
-    """The name as pictures take it: no dollar begins a formula, bytes that are no text are escapes."""
-    return name.encode(errors="backslashreplace").decode().replace("$", r"\$")
-
-
-def numbered(names: Sequence[str]) -> list[str]:
-    """The names, those that occur more than once, in whatever case, with -1, -2, ... behind them."""
-    keys = [name.casefold() for name in names]  # one file where the system does not tell cases apart
-    taken = {key for key in keys if keys.count(key) == 1}
-    chosen = []
-    for name, key in zip(names, keys, strict=True):
-        if keys.count(key) > 1:
-            name = next(one for one in (f"{name}-{k}" for k in itertools.count(1)) if one.casefold() not in taken)
-            taken.add(name.casefold())
-        chosen.append(name)
-    return chosen

@@ -289,7 +289,7 @@ def draw_log(job: Job, log: MatchLog) -> None:
 
 def draw_worst(job: Job, x: Surface, y: Surface, found: MatchResult, errors: np.ndarray | None) -> Table:
     """Picture of the places where the map is worst, by its errors where the truth is known, and their table."""
-    from qgeo_filters.cli.job import as_title
+    from qgeo_filters.cli.job_text import as_title
     from qgeo_filters.report.html import Table
     from qgeo_filters.report.worst_places import plot_worst_places, worst_places
 
@@ -310,7 +310,7 @@ def draw_match(job: Job, x: Surface, y: Surface, found: MatchResult, errors: np.
     """Pictures of the map, of its regions, its distortion, and its errors where the truth is known."""
     import numpy as np
 
-    from qgeo_filters.cli.job import as_title
+    from qgeo_filters.cli.job_text import as_title
     from qgeo_filters.report.curves import plot_error_curve, plot_histogram
     from qgeo_filters.report.figures import plot_correspondence, plot_scalar
     from qgeo_filters.report.maps import plot_region_pair, view_alike

@@ -74,7 +74,8 @@ def transfer(
     from qgeo_filters.animation.sequence import Animation
     from qgeo_filters.animation.transfer import PoseTransfer
     from qgeo_filters.cli import animations
-    from qgeo_filters.cli.job import Job, as_title, numbered
+    from qgeo_filters.cli.job import Job
+    from qgeo_filters.cli.job_text import as_title, numbered
     from qgeo_filters.filters import stages
     from qgeo_filters.io.folders import mesh_files
     from qgeo_filters.report.reel import transfer_colors

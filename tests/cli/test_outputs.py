@@ -16,7 +16,7 @@ from typer.testing import Result
 
 import qgeo_filters as qg
 from qgeo_filters.cli import mesh as info_command
-from qgeo_filters.cli.job import numbered
+from qgeo_filters.cli.job_text import numbered
 from qgeo_filters.cli.outputs import OutputFolder, listed_digests, same_file
 from qgeo_filters.errors import ParameterError
 
