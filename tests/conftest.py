@@ -18,10 +18,25 @@ def shared_data() -> Path:
     return Path(os.environ.get("QGEO_DATA", ROOT.parent / "shared" / "data"))
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Coverage is not measured in slow tests, which it makes a third slower: quick ones run the same lines."""
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """``--thorough``: the tests, too, that the gate has no time for."""
+    parser.addoption("--thorough", action="store_true", help="also the tests that are marked thorough")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out thorough tests that nobody asked for; measure no coverage in slow ones."""
+    if not config.getoption("--thorough"):
+        named = [arg for arg in config.args if "::" in arg]
+        left_out = [
+            item
+            for item in items
+            if item.get_closest_marker("thorough") and not any(item.nodeid.startswith(name) for name in named)
+        ]
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [item for item in items if item not in left_out]
     for item in items:
         if item.get_closest_marker("slow"):
+            # Coverage makes them a third slower, and quick ones run the same lines.
             item.add_marker("no_cover")
 
 

@@ -124,6 +124,7 @@ def test_warmup_leaves_nothing_to_compile_to_distances_and_paths(tmp_path: Path)
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_warmup_leaves_no_kernel_uncompiled(tmp_path: Path) -> None:
     """Without a cache: every kernel that the package has, found by reading its files; nothing new in a match."""
     package = Path(shapes.__file__).parents[1] / "qgeo_filters"

@@ -137,6 +137,7 @@ def test_different_creatures_are_not_matched_with_confidence() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_a_blob_and_another_and_a_torus_are_not_matched_with_confidence() -> None:
     shape = PreparedShape(Surface(*blob(3, 0)))
     assert not match(shape, Surface(*blob(3, 1))).confident

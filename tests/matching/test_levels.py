@@ -96,6 +96,8 @@ def test_a_mirror_image_is_matched_as_one_at_full_resolution() -> None:
     assert moved.mean() < 0.03 * np.sqrt(image.area)
 
 
+@pytest.mark.slow
+@pytest.mark.thorough
 def test_distances_are_compared_at_full_resolution() -> None:
     """Against the definition, with distances on the surfaces as they were given."""
     x, map_ = prepared(0.0), found()

@@ -62,6 +62,7 @@ def test_options_that_are_none() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_teeth_of_either_jaw(data_dir: Path) -> None:
     """A left molar onto a right one reverses the orientation."""
     pair = "Q11", "a13"

@@ -72,6 +72,8 @@ def test_centaurs(tosca: ToscaRemeshed, prepared: Prepared) -> None:
     assert by_point < 0.9 * by_vertex
 
 
+@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_quick_map_that_relates_unlike_parts_is_not_taken(tosca: ToscaRemeshed) -> None:
     """The one pair of all that came out wrong and sure by the quick search: a person turned about, chest to back."""
     found = match(tosca.read("victoria10"), tosca.read("victoria23"))

@@ -77,7 +77,7 @@ def test_the_panel_changes_what_is_drawn_and_back(page, view):
         tools.until(lambda: np.abs(tools.pixels(view) - first).mean() > 1)
         page.get_by_label(name).fill(back)
         tools.until(lambda: np.abs(tools.pixels(view) - first).mean() < 0.01)
-    page.get_by_label("background").select_option("black")
+    page.get_by_label("background", exact=True).select_option("black")
     tools.until(lambda: tools.pixels(view)[5, 5].max() < 3)
 
 
