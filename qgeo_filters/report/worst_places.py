@@ -22,7 +22,7 @@ _STEEPEST = 0.8  # sine of the elevation that a place is looked at from
 _MARK = (0.86, 0.11, 0.16)
 
 
-def worst_places(surface: SurfaceLike, values: npt.ArrayLike, count: int = 3) -> IndexArray:
+def worst_places(surface: SurfaceLike, values: npt.ArrayLike, count: int = 3, *, apart: float = _APART) -> IndexArray:
     """Vertices of the largest values, the worst first, no two near each other; (k,) with k at most ``count``.
 
     Parameters
@@ -31,6 +31,8 @@ def worst_places(surface: SurfaceLike, values: npt.ArrayLike, count: int = 3) ->
     values : array-like, shape (n,)
         What is not finite is passed over.
     count : int
+    apart : float
+        Least distance of two places, in sqrt(area).
 
     Examples
     --------
@@ -51,7 +53,7 @@ def worst_places(surface: SurfaceLike, values: npt.ArrayLike, count: int = 3) ->
         worst = int(left.argmax())
         found.append(worst)
         gaps = np.linalg.norm(surface.vertices - surface.vertices[worst], axis=1)
-        left[gaps < _APART * np.sqrt(surface.area)] = -np.inf
+        left[gaps < apart * np.sqrt(surface.area)] = -np.inf
     return np.array(found, dtype=np.int64)
 
 

@@ -181,11 +181,7 @@ class AnimateWidget(ShapeWidget):
         return ColorField([np.tile(CLAY, (shape.surface.n_vertices, 1)) for shape in self._shapes], "")
 
     def _attribute_field(self, name: str, k: int) -> Field:
-        values = []
-        for shape in self._shapes:
-            absent = not shape.columns(name)
-            values.append(np.full(shape.surface.n_vertices, np.nan) if absent else shape.attribute(name, k))
-        return number_field(values, name)
+        return number_field([shape.attribute_or_nan(name, k) for shape in self._shapes], name)
 
     # -- pictures and pages -------------------------------------------------------------------------
 

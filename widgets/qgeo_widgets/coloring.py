@@ -11,7 +11,7 @@ import traitlets
 
 from qgeo_filters.errors import ParameterError, QgeoError
 from qgeo_widgets import controls
-from qgeo_widgets.fields import CheckerField, Field, RegionField, ScalarField
+from qgeo_widgets.fields import ColorField, Field, RegionField, ScalarField
 from qgeo_widgets.guarded import GuardedWidget
 from qgeo_widgets.rendering.viewer import Viewer
 
@@ -113,7 +113,7 @@ class ColoredWidget(GuardedWidget):
                 else:
                     pane.set_regions(None)
                     pane.set_values(field.values[number] if isinstance(field, ScalarField) else None)
-                pane.set_cells(field.cells[number] if isinstance(field, CheckerField) else None)
+                pane.set_cells(field.cells[number] if isinstance(field, ColorField) and field.cells else None)
         self._legend.value = field.legend(limits)
 
     def _settle(self, mode: str, k: int, count: int, new_mode: bool) -> None:

@@ -18,7 +18,7 @@ from qgeo_widgets.matching_widget import SIDES
 from qgeo_widgets.rendering.backends import new_viewer
 from qgeo_widgets.rendering.scene_placement import aligned_placement, placement_of
 from qgeo_widgets.shape import Shape
-from qgeo_widgets.worst_places import WorstPlaces
+from qgeo_widgets.worst_list import WorstList
 
 if TYPE_CHECKING:
     from qgeo_filters.matching.match_result import MatchResult
@@ -71,7 +71,7 @@ class CompareWidget(ComparedColors):
             traitlets.link((self, "brush"), (brush, "value"))
             wipe = controls.button("wipe", "nothing is painted any more")
             wipe.on_click(lambda _: self.set_trait("painted", []))
-            self._worst = WorstPlaces(self.look_at)
+            self._worst = WorstList(self.look_at)
             controls_beside = [follow, *beside, brush, wipe]
             self._assemble(viewer, ["X", "Y"], CARRIED, beside=controls_beside, below=[self._worst, *below])
             self.observe(lambda change: self._open_viewer.set_brush(change["new"]), "brush")
@@ -100,9 +100,9 @@ class CompareWidget(ComparedColors):
 
     def _paint(self, new_mode: bool) -> None:
         super()._paint(new_mode)
-        shape, field = self._shapes[0], self._field
+        field = self._field
         values = field.values[0] if self.mode in (ERROR, DISTORTION) and isinstance(field, ScalarField) else None
-        self._worst.show(values, shape.surface.vertices, shape.unit)
+        self._worst.show(self._shapes[0].surface, values)
 
     def look_at(self, vertex: int) -> None:
         """Pick a vertex of X, and turn the shapes so that it faces the camera."""

@@ -12,7 +12,7 @@ from qgeo_filters._typing import FloatArray
 from qgeo_filters.defaults import EIGENPAIRS
 from qgeo_filters.report.colors import position_colors
 from qgeo_widgets.coloring import ATTRIBUTE, EIGENFUNCTION
-from qgeo_widgets.fields import CheckerField, ColorField, Field, ScalarField, number_field, region_field
+from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field, region_field
 from qgeo_widgets.matching_widget import MatchingWidget
 from qgeo_widgets.vertex_map import VertexMap
 
@@ -91,7 +91,7 @@ class ComparedColors(MatchingWidget):
         places = self._open_viewer.panes[0].placement.to_scene(self._shapes[0].surface.vertices) / _CELL
         colors = self._position_colors
         label = "a checkerboard through the space around X, carried to Y: where the map tears, many cells crowd"
-        return CheckerField([colors, self._carried(colors)], [places, self._carried(places)], label)
+        return ColorField([colors, self._carried(colors)], label, cells=[places, self._carried(places)])
 
     def _carried(self, values: FloatArray) -> FloatArray:
         """Values (n, d) of X on Y: within triangles where the match is known, else from vertex to vertex."""
@@ -133,11 +133,7 @@ class ComparedColors(MatchingWidget):
         return ScalarField([errors, errors[self._map.backward]], label)
 
     def _attribute_field(self, name: str, k: int) -> Field:
-        values = []
-        for shape in self._shapes:
-            absent = not shape.columns(name)
-            values.append(np.full(shape.surface.n_vertices, np.nan) if absent else shape.attribute(name, k))
-        return number_field(values, name)
+        return number_field([shape.attribute_or_nan(name, k) for shape in self._shapes], name)
 
     def _painted_field(self, k: int) -> Field:
         on_x = np.full(self._shapes[0].surface.n_vertices, -1)

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters.atomic import atomic_write
-from qgeo_widgets.fields import CheckerField, Field, Limits, RegionField, ScalarField
+from qgeo_widgets.fields import ColorField, Field, Limits, RegionField, ScalarField
 from qgeo_widgets.page_block import PageBlock
 from qgeo_widgets.rendering import module
 from qgeo_widgets.rendering.encoding import border_data, color_bytes, line_data, mark_data, scene_data
@@ -175,7 +175,7 @@ def _painted(shown: Field, limits: Limits | None, panes_drawn: Sequence[Pane]) -
         {"rgb": color_bytes(pane.display.at_vertices(rgb))}
         for rgb, pane in zip(shown.colors(None), panes_drawn, strict=True)
     ]
-    if isinstance(shown, CheckerField):
+    if isinstance(shown, ColorField) and shown.cells:
         for cells, pane, entry in zip(shown.cells, panes_drawn, panes, strict=True):
             entry["cells"] = pane.display.at_vertices(cells).astype(np.float32)
     if not isinstance(shown, RegionField):

@@ -71,11 +71,23 @@ class ScalarField:
 
 @dataclass(frozen=True, eq=False)
 class ColorField:
-    """A colour at each vertex of each pane, explained in a sentence."""
+    """A colour at each vertex of each pane, explained in a sentence.
+
+    Attributes
+    ----------
+    rgb : sequence of (n, 3) float64
+        One array for each pane.
+    label : str
+    key : sequence of (color, str)
+        Names of the colours.
+    cells : sequence of (n, 3) float64
+        Coordinates in which a checkerboard of cells of size 1 lies over the colours, one array for each pane; or none.
+    """
 
     rgb: Sequence[FloatArray]
     label: str
     key: Sequence[tuple[FloatArray, str]] = ()
+    cells: Sequence[FloatArray] = ()
 
     bounds: None = None
 
@@ -85,35 +97,6 @@ class ColorField:
 
     def legend(self, limits: Limits | None) -> str:
         """The sentence as HTML, with swatches where there is a key."""
-        return swatches(self.label, self.key)
-
-
-@dataclass(frozen=True, eq=False)
-class CheckerField:
-    """A colour at each vertex of each pane, and a checkerboard over it.
-
-    Attributes
-    ----------
-    rgb : sequence of (n, 3) float64
-    cells : sequence of (n, 3) float64
-        Coordinates in which the cells have size 1, one array for each pane.
-    label : str
-        A sentence.
-    """
-
-    rgb: Sequence[FloatArray]
-    cells: Sequence[FloatArray]
-    label: str
-    key: Sequence[tuple[FloatArray, str]] = ()
-
-    bounds: None = None
-
-    def colors(self, limits: Limits | None) -> list[FloatArray]:
-        """The colours below the checkerboard."""
-        return list(self.rgb)
-
-    def legend(self, limits: Limits | None) -> str:
-        """The sentence as HTML."""
         return swatches(self.label, self.key)
 
 
@@ -156,7 +139,7 @@ class RegionField:
         return swatches(self.label, self.key)
 
 
-Field = ScalarField | ColorField | CheckerField | RegionField
+Field = ScalarField | ColorField | RegionField
 
 
 def region_field(

@@ -99,6 +99,12 @@ class Shape:
         table = values.reshape(self.surface.n_vertices, -1).astype(np.float64)
         return table[:, min(column, table.shape[1]) - 1]
 
+    def attribute_or_nan(self, name: str, column: int = 1) -> FloatArray:
+        """The same; NaN throughout where there is no such attribute."""
+        if not self.columns(name):
+            return np.full(self.surface.n_vertices, np.nan)
+        return self.attribute(name, column)
+
     def columns(self, name: str) -> int:
         """Number of columns of an attribute; 0 where it is absent."""
         values = self.surface.attributes.get(name)
