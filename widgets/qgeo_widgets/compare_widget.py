@@ -113,6 +113,7 @@ class CompareWidget(ComparedColors):
         facing = viewer.panes[0].placement.axes @ self._shapes[0].surface.vertex_normals[vertex]
         upright = np.clip(facing, [-1.0, -0.9, -1.0], [1.0, 0.9, 1.0])  # not along the axis that it turns about
         if np.linalg.norm(upright) > 0:
+            viewer.reset()  # it may have been moved aside
             self.camera = tuple((np.linalg.norm(viewer.home) * upright / np.linalg.norm(upright)).tolist())
 
     # -- painting -----------------------------------------------------------------------------------
