@@ -193,29 +193,12 @@ def _page_names(pairs: list[tuple[str, str]]) -> dict[tuple[str, str], str]:
 
 def _write_page(job: Job, collection: Collection, pair: tuple[str, str], name: str, pictures: bool) -> None:
     from qgeo_filters import __version__
-    from qgeo_filters.cli.job_text import as_title
     from qgeo_filters.cli.match import match_results
-    from qgeo_filters.report.figures import plot_correspondence, plot_scalar
-    from qgeo_filters.report.html import Link, Picture, Table, write_report
-    from qgeo_filters.report.maps import view_alike
-    from qgeo_filters.report.view import best_view
+    from qgeo_filters.cli.match_pictures import map_pictures
+    from qgeo_filters.report.html import Link, Table, write_report
 
     found = collection.map(*pair)
-    drawn = []
-    if pictures:
-        titles = (f"X: {as_title(pair[0])}", f"Y: {as_title(pair[1])}")
-        view = best_view(found.x.vertices, found.x.faces)
-        views = view, view_alike(found.x, view, found.y, found.p2p)
-        figure = plot_correspondence(found.x, found.y, found.p2p, names=titles, views=views)
-        doubt = "" if found.confident else f"Not confident: {found.explanation}. "
-        drawn = [
-            Picture("match", figure, f"{doubt}The colours of Y carried over to X along the map."),
-            Picture(
-                "distortion",
-                plot_scalar(found.x, found.distortion, "distortion of distances (√area)"),
-                "How far, in the mean, the distances from a point of X differ from those from its image on Y.",
-            ),
-        ]
+    drawn = map_pictures(found, pair) if pictures else []
     with job.file(name) as temporary:
         write_report(
             temporary,

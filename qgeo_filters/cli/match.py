@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial as applied
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -27,15 +26,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from qgeo_filters._typing import PartialOption
-    from qgeo_filters.cli.job import Job
-    from qgeo_filters.matching.match_log import MatchLog
     from qgeo_filters.matching.match_result import MatchResult
-    from qgeo_filters.report.html import Table
-    from qgeo_filters.surface import Surface
-
-
-_PICTURES = ("match", "regions", "distortion", "distortion_histogram", "worst_places", "match_log")
-_PICTURES_OF_ERRORS = ("errors", "error_curve")
 
 
 def match(
@@ -117,6 +108,7 @@ def match(
     import numpy as np
 
     from qgeo_filters.cli import match_outputs as outputs
+    from qgeo_filters.cli import match_pictures as drawn
     from qgeo_filters.cli.job import Job
     from qgeo_filters.filters import stages
     from qgeo_filters.io.hint_files import read_hints
@@ -148,7 +140,7 @@ def match(
         [x, y],
         names=("X", "Y"),
         inputs=[file for file in (truth, *(hints or ()), landmarks_file) if file is not None],
-        pictures=(*_PICTURES, *(() if truth is None else _PICTURES_OF_ERRORS)),
+        pictures=(*drawn.NAMES, *(() if truth is None else drawn.NAMES_OF_ERRORS)),
         texts=("match_log.md", *written),
         meshes_made=[outputs.deformed_name],
     )
@@ -202,9 +194,9 @@ def match(
         outputs.save_map_table(job, found)
     if glb:
         outputs.save_scene(job, found, normalize, marks or None)
-    draw_match(job, *shapes, found, errors)
-    tables.append(draw_worst(job, *shapes, found, errors))
-    draw_log(job, found.log)
+    drawn.draw_match(job, *shapes, found, errors)
+    tables.append(drawn.draw_worst(job, *shapes, found, errors))
+    drawn.draw_log(job, found.log)
     job.finish([*tables, outputs.files_table(job, landmarks_file, csv, glb)])
 
 
@@ -273,83 +265,3 @@ def error_results(errors: np.ndarray) -> dict[str, Any]:
     }
     shares["vertices_with_an_error"] = known.size
     return {"mean_error": summary.mean, "median_error": summary.median, "max_error": summary.maximum, **shares}
-
-
-def draw_log(job: Job, log: MatchLog) -> None:
-    """Picture of the maps that were proposed."""
-    from qgeo_filters.report.match_log import plot_match_log
-
-    job.picture(
-        "match_log",
-        "The maps that were proposed, the chosen one first: how much they distort distances, what deforming X along "
-        "them costs, and which rule dropped them (all of them: match_log.md).",
-        applied(plot_match_log, log),
-    )
-
-
-def draw_worst(job: Job, x: Surface, y: Surface, found: MatchResult, errors: np.ndarray | None) -> Table:
-    """Picture of the places where the map is worst, by its errors where the truth is known, and their table."""
-    from qgeo_filters.cli.job_text import as_title
-    from qgeo_filters.report.html import Table
-    from qgeo_filters.report.worst_places import plot_worst_places, worst_places
-
-    values, what = (found.distortion, "distortion") if errors is None else (errors, "error")
-    places = worst_places(x, values)
-    names = (as_title(job.names[0]), as_title(job.names[1]))
-    if len(places):
-        job.picture(
-            "worst_places",
-            f"Where the map is worst: the places of X of the largest {what} (√area), and their images on Y below them.",
-            applied(plot_worst_places, x, y, found.p2p, values, places, names=names),
-        )
-    rows = [(int(place), int(found.p2p[place]), float(values[place])) for place in places]
-    return Table("Worst places", rows, ("vertex of X", "vertex of Y", f"{what} (√area)"), "No two near each other.")
-
-
-def draw_match(job: Job, x: Surface, y: Surface, found: MatchResult, errors: np.ndarray | None) -> None:
-    """Pictures of the map, of its regions, its distortion, and its errors where the truth is known."""
-    import numpy as np
-
-    from qgeo_filters.cli.job_text import as_title
-    from qgeo_filters.report.curves import plot_error_curve, plot_histogram
-    from qgeo_filters.report.figures import plot_correspondence, plot_scalar
-    from qgeo_filters.report.maps import plot_region_pair, view_alike
-    from qgeo_filters.report.view import best_view
-
-    names = (f"X: {as_title(job.names[0])}", f"Y: {as_title(job.names[1])}")
-    view = best_view(x.vertices, x.faces)
-    views = view, view_alike(x, view, y, found.p2p)
-    doubt = "" if found.confident else f"Not confident: {found.explanation}. "
-    job.picture(
-        "match",
-        f"{doubt}The colours of Y carried over to X along the map: points that belong together have one colour.",
-        applied(plot_correspondence, x, y, found.p2p, names=names, views=views),
-    )
-    job.picture(
-        "regions",
-        "Regions of equal colour on both shapes (paper, Fig. 6).",
-        applied(plot_region_pair, x, y, found.regions_x, found.regions_y, names=names, views=views),
-    )
-    unit = "distortion of distances (√area)"
-    known = np.isfinite(found.distortion)  # not where there is no partner
-    job.picture(
-        "distortion",
-        "How far, in the mean, the distances from a point of X differ from those from its image on Y.",
-        applied(plot_scalar, x, found.distortion, unit),
-    )
-    job.picture(
-        "distortion_histogram",
-        "The same over the area of X: all at the left for shapes that only bend.",
-        applied(plot_histogram, found.distortion[known], x.vertex_areas[known], unit),
-    )
-    if errors is not None:
-        job.picture(
-            "errors",
-            "Distance on Y between a point's image and its true image.",
-            applied(plot_scalar, x, errors, "error (√area)"),
-        )
-        job.picture(
-            "error_curve",
-            "Share of the points within an error.",
-            applied(plot_error_curve, errors[np.isfinite(errors)]),
-        )
