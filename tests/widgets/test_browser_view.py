@@ -61,6 +61,7 @@ def test_keys_turn_move_come_nearer_and_go_home(page, view):
         tools.until(lambda before=before: np.abs(tools.pixels(view) - before).mean() > 0.3)
     page.keyboard.press("Home")
     tools.until(lambda: np.abs(tools.pixels(view) - first).mean() < 0.1)
+    np.testing.assert_allclose(tools.settled(view), first, atol=2)
 
 
 def test_the_panel_changes_what_is_drawn_and_back(page, view):
@@ -77,8 +78,11 @@ def test_the_panel_changes_what_is_drawn_and_back(page, view):
         tools.until(lambda: np.abs(tools.pixels(view) - first).mean() > 1)
         page.get_by_label(name).fill(back)
         tools.until(lambda: np.abs(tools.pixels(view) - first).mean() < 0.01)
+    np.testing.assert_allclose(tools.settled(view), first, atol=2)
     page.get_by_label("background", exact=True).select_option("black")
     tools.until(lambda: tools.pixels(view)[5, 5].max() < 3)
+    ground = (np.abs(first - first[5, 5]) < 1).all(axis=2)[2:-2, 2:-2]
+    assert tools.settled(view)[2:-2, 2:-2][ground].max() < 3  # and nothing else has changed its place
 
 
 def test_standard_views_and_kept_ones(page, view):

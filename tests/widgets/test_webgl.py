@@ -10,7 +10,7 @@ import pytest
 
 from qgeo_filters import Animation
 from qgeo_widgets.page_block import PageBlock
-from qgeo_widgets.rendering import module
+from qgeo_widgets.rendering import browser_module
 from qgeo_widgets.rendering.encoding import indices, quantised, with_bytes
 from qgeo_widgets.rendering.motion import TICKS, Motion, placements_of
 from qgeo_widgets.rendering.scene_placement import placement_of
@@ -137,10 +137,10 @@ def test_a_page_block_holds_equal_arrays_once_and_aligned():
 
 
 def test_what_is_shipped_holds_its_licence_and_loads_nothing():
-    assert "MIT licence" in module.script()[:200]
-    assert "Copyright" in module.licence()
-    assert "three.js authors" in module.licence()
-    for text in (module.script(), module.matrix_module(), module.style()):
+    assert "MIT licence" in browser_module.script()[:200]
+    assert "Copyright" in browser_module.licence()
+    assert "three.js authors" in browser_module.licence()
+    for text in (browser_module.script(), browser_module.matrix_module(), browser_module.style()):
         assert "import(" not in text
         assert "cdn" not in text.lower()
 
@@ -150,7 +150,7 @@ def test_what_is_shipped_is_what_the_sources_make(tmp_path):
     """Whoever changes the sources builds anew; skipped, saying so, where the bundler is not installed."""
     if not (RENDERER / "node_modules" / "esbuild").is_dir():
         pytest.skip("needs npm ci in widgets/renderer")
-    before = module.script(), module.matrix_module(), module.style()
+    before = browser_module.script(), browser_module.matrix_module(), browser_module.style()
     subprocess.run(["node", "build.mjs", str(tmp_path)], cwd=RENDERER, check=True)
     names = ("renderer.js", "matrix.js", "renderer.css")
     assert before == tuple((tmp_path / name).read_text(encoding="utf-8") for name in names)

@@ -16,11 +16,11 @@ import numpy.typing as npt
 from qgeo_filters.atomic import atomic_write
 from qgeo_widgets.fields import ColorField, Field, Limits, RegionField, ScalarField
 from qgeo_widgets.page_block import PageBlock
-from qgeo_widgets.rendering import module
+from qgeo_widgets.rendering import browser_module
 from qgeo_widgets.rendering.encoding import border_data, color_bytes, line_data, mark_data, scene_data
 from qgeo_widgets.rendering.motion import Motion
 from qgeo_widgets.rendering.pane import Pane
-from qgeo_widgets.rendering.viewer import FIELD_OF_VIEW, Viewer
+from qgeo_widgets.rendering.viewer import Viewer
 
 _STEPS = 256
 
@@ -82,7 +82,7 @@ def page_text(viewer: Viewer, page: Page, still: str) -> str:
         f"<b>{escape(name)}</b>, {pane.surface.n_vertices} vertices"
         for pane, name in zip(viewer.panes, page.names, strict=True)
     ]
-    setup = scene_data(viewer.panes, titles, viewer, FIELD_OF_VIEW)
+    setup = scene_data(viewer, titles)
     for shape, pane, name in zip(setup["panes"], viewer.panes, page.names, strict=True):
         shape |= {"name": name, **_marked(pane, page.lasting)}
     data = {
@@ -109,15 +109,15 @@ def page_text(viewer: Viewer, page: Page, still: str) -> str:
     description = json.dumps(block.placed(data))
     parts = {
         "title": escape(page.title),
-        "style": module.style() + _resource("page.css"),
+        "style": browser_module.style() + _resource("page.css"),
         "still": still,
         "hint": escape(page.hint),
         "info": page.info,
         # Nothing within a script element may look like its end.
         "data": description.replace("<", "\\u003c"),
         "arrays": block.text(),
-        "licence": module.licence(),
-        "renderer": module.script().replace("</script", "<\\/script"),
+        "licence": browser_module.licence(),
+        "renderer": browser_module.script().replace("</script", "<\\/script"),
         "failure": _resource("failure.js"),
     }
     template = _resource("page.html")

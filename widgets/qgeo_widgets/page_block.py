@@ -6,7 +6,7 @@ import base64
 import gzip
 from typing import Any
 
-import numpy as np
+from qgeo_widgets.rendering.encoding import converted
 
 _ALIGNMENT = 8
 
@@ -21,13 +21,7 @@ class PageBlock:
 
     def placed(self, item: Any) -> Any:
         """The same with ``{"bytes_at": ..., "length": ...}`` in place of arrays, which are added."""
-        if isinstance(item, np.ndarray):
-            return self._add(np.ascontiguousarray(item).tobytes())
-        if isinstance(item, dict):
-            return {key: self.placed(value) for key, value in item.items()}
-        if isinstance(item, (list, tuple)):
-            return [self.placed(value) for value in item]
-        return item
+        return converted(item, lambda array: self._add(array.tobytes()))
 
     def text(self) -> str:
         """The block as base64 of gzip."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy.typing as npt
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_widgets.rendering.pane import Line, Mark, Pane, css_color
 from qgeo_widgets.rendering.region_borders import region_borders
+from qgeo_widgets.rendering.viewer import FIELD_OF_VIEW, Viewer
 
 _STEPS = 65535
 
@@ -84,25 +85,28 @@ def line_data(pane: Pane, slot: str, line: Line) -> dict[str, Any]:
     return {"slot": slot, "points": points, "color": css_color(line.color), "width": line.width}
 
 
-def scene_data(panes: Sequence[Pane], titles: Sequence[str], viewer: Any, field_of_view: float) -> dict[str, Any]:
-    """What a view is made from, see ``View`` in the module."""
-    motion = panes[0].motion
+def scene_data(viewer: Viewer, titles: Sequence[str]) -> dict[str, Any]:
+    """What a view is made from, see ``View`` in the browser module."""
+    motion = viewer.panes[0].motion
     return {
         "size": list(viewer.size),
-        "fov": field_of_view,
+        "fov": FIELD_OF_VIEW,
         "home": list(viewer.home),
         "radius": viewer.mark_radius,
         "times": None if motion is None else motion.times.tolist(),
-        "panes": [shape_data(pane, title) for pane, title in zip(panes, titles, strict=True)],
+        "panes": [shape_data(pane, title) for pane, title in zip(viewer.panes, titles, strict=True)],
     }
+
+
+def converted(item: Any, convert: Callable[[np.ndarray], Any]) -> Any:
+    """The same dictionaries and lists with something else in place of each array."""
+    if isinstance(item, np.ndarray):
+        return convert(item)
+    if isinstance(item, dict):
+        return {key: converted(value, convert) for key, value in item.items()}
+    return [converted(value, convert) for value in item] if isinstance(item, (list, tuple)) else item
 
 
 def with_bytes(item: Any) -> Any:
     """The same with bytes in place of arrays, as messages to the browser take them."""
-    if isinstance(item, np.ndarray):
-        return np.ascontiguousarray(item).tobytes()
-    if isinstance(item, dict):
-        return {key: with_bytes(value) for key, value in item.items()}
-    if isinstance(item, list):
-        return [with_bytes(value) for value in item]
-    return item
+    return converted(item, np.ndarray.tobytes)

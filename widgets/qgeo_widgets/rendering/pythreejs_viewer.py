@@ -11,8 +11,8 @@ import pythreejs as three
 
 from qgeo_filters.surface import Surface
 from qgeo_widgets.rendering.disposal import close_tree
-from qgeo_widgets.rendering.fallback_image import STYLE, FallbackImage
 from qgeo_widgets.rendering.motion import Motion
+from qgeo_widgets.rendering.pythreejs_fallback import STYLE, FallbackImage
 from qgeo_widgets.rendering.pythreejs_moving_pane import MovingPane
 from qgeo_widgets.rendering.pythreejs_pane import PythreejsPane
 from qgeo_widgets.rendering.scene_placement import ScenePlacement

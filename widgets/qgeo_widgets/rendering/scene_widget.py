@@ -7,7 +7,7 @@ from typing import Any
 import anywidget
 import traitlets
 
-from qgeo_widgets.rendering.module import as_anywidget, style
+from qgeo_widgets.rendering.browser_module import as_anywidget, style
 from qgeo_widgets.rendering.motion import TICKS
 
 

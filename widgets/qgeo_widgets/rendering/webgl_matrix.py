@@ -8,9 +8,9 @@ import anywidget
 import numpy as np
 import traitlets
 
+from qgeo_widgets.rendering.browser_module import matrix_module, style
 from qgeo_widgets.rendering.disposal import close_tree
 from qgeo_widgets.rendering.matrix_pane import MatrixPane
-from qgeo_widgets.rendering.module import matrix_module, style
 
 
 class MatrixModel(anywidget.AnyWidget):

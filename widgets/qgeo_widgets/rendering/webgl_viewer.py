@@ -16,11 +16,7 @@ from qgeo_widgets.rendering.motion import TICKS, Motion
 from qgeo_widgets.rendering.pane import Pane
 from qgeo_widgets.rendering.scene_placement import ScenePlacement
 from qgeo_widgets.rendering.scene_widget import SceneWidget
-from qgeo_widgets.rendering.viewer import FIELD_OF_VIEW, Place, Viewer, checked_camera, place_of
-
-# Of one shape on screen, so that two stand side by side from 700 pixels on.
-_LEAST_WIDTH = 335
-_GAP = 8
+from qgeo_widgets.rendering.viewer import Place, Viewer, checked_camera, place_of
 
 
 class WebglPane(Pane):
@@ -56,24 +52,16 @@ class WebglViewer(Viewer):
 
     def _make(self, shown: Sequence[tuple[Surface, ScenePlacement, Motion | None]], titles: Sequence[str]) -> None:
         self._waiting: set[str] | None = None
-        self._telling = False
         self.panes: Sequence[WebglPane] = [WebglPane(*each, self._changed) for each in shown]
-        count, width = len(shown), self.size[0]
         self._scene = SceneWidget(
-            setup=with_bytes(scene_data(self.panes, titles, self, FIELD_OF_VIEW)),
+            setup=with_bytes(scene_data(self, titles)),
             camera={"position": list(self.home), "target": [0.0, 0.0, 0.0]},
             **{name: self._data(name) for name in ("paints", "marks", "lines")},
-            layout={
-                "flex": f"1 1 {min(width, _LEAST_WIDTH)}px",
-                "max_width": f"{count * (width + _GAP)}px",
-                "min_width": "0",
-                "overflow": "visible",
-            },
+            layout={"overflow": "visible"},  # the rest is the style sheet's
         )
         self._scene.observe(self._moved, names="camera")
         self._scene.on_msg(self._told)
         self._on_redraw: list[Callable[[], None]] = []
-        self._playing = False
         self._clock_link: Any = None
         self._clock: Any = None
         self.widget = ipywidgets.HBox([self._scene], layout={"flex_flow": "row wrap", "overflow": "visible"})

@@ -22,7 +22,6 @@ export class View {
     this.renderer = new WebGLRenderer({antialias: true, alpha: true, preserveDrawingBuffer: true});
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.renderer.setScissorTest(true);
-    this.renderer.autoClear = true;
     this.canvas = this.renderer.domElement;
     this.canvas.setAttribute('aria-hidden', 'true');
     this.canvas.addEventListener('webglcontextrestored', () => this.draw());
