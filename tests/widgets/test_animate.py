@@ -43,6 +43,12 @@ def widget(transfer):
     widget.close()
 
 
+def test_a_title_says_once_what_is_shown(widget, transfer):
+    titles = [shape["title"] for shape in widget._viewer._scene.setup["panes"]]
+    counts = [transfer.source.surface.n_vertices, transfer.surface.n_vertices]
+    assert [title.split("</b>, ")[1] for title in titles] == [f"{count} vertices, 4 frames" for count in counts]
+
+
 def test_time_and_frame_follow_each_other(widget):
     seen = []
     widget.observe(lambda change: seen.append(change["new"]), "frame")

@@ -69,10 +69,7 @@ class AnimateWidget(ShapeWidget):
                 raise ParameterError(f"there is no attribute {attribute!r} (there are: {known})")
             placements = placements_of(animations)
             motions = [Motion(*each) for each in zip(animations, placements, strict=True)]
-            titles = [
-                f"<b>{shape.name}</b>, {shape.surface.n_vertices} vertices{motion.caption}"
-                for shape, motion in zip(self._shapes, motions, strict=True)
-            ]
+            titles = [f"<b>{shape.name}</b>, {shape.surface.n_vertices} vertices" for shape in self._shapes]
             viewer = new_viewer([shape.surface for shape in self._shapes], placements, size, titles, motions)
             self._player = player
             self.time = float(self._times[0])
