@@ -6,11 +6,17 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 ROOT = Path(__file__).resolve().parents[1]
 
 # Commands keep results in the user's cache: not those of tests, in this process and in those that it starts.
 os.environ["QGEO_CACHE_DIR"] = ""
+
+
+# How long an example takes says how busy the machine is.
+settings.register_profile("qgeo")
+settings.load_profile("qgeo")
 
 
 def shared_data() -> Path:

@@ -44,7 +44,7 @@ def on_a_path(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return edges, np.linalg.norm(np.diff(positions, axis=0), axis=1)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(2, 25), st.integers(1, 12), st.booleans(), st.integers(0, 10**6), st.data())
 def test_each_is_the_farthest_and_none_is_taken_twice(n: int, sites: int, same: bool, seed: int, data) -> None:
     random = np.random.default_rng(seed)

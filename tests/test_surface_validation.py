@@ -111,7 +111,7 @@ def test_input_is_copied():
         surface.attributes["b"] = a
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     vertex_dtype=st.sampled_from(["f4", "f8", ">f8", "f2", "i4", "i8"]),
     face_dtype=st.sampled_from(["i4", "i8", "u2", "u4", "u8", ">i4", "f4", "f8"]),

@@ -27,7 +27,7 @@ from qgeo_filters.matching.search import Found, checked_mirror, chosen_map
 from qgeo_filters.matching.selection.signatures import hks_agreement
 from qgeo_filters.matching.smooth_shells import DenseMap
 from qgeo_filters.matching.verdict import verdict, with_hand, with_hints, with_sides
-from qgeo_filters.parallel import default_workers, single_threaded_blas
+from qgeo_filters.parallel import concurrently, default_workers, single_threaded_blas
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
 from qgeo_filters.validation import frozen
 
@@ -162,7 +162,7 @@ def match(
     distances are kept to 0.000 sqrt(area) in the mean; there is no other map
     """
     checked_mirror(mirror)
-    bar = tqdm(total=4, desc="prepare X", disable=not progress)
+    bar = tqdm(total=3, desc="prepare", disable=not progress)
     with default_workers(workers), single_threaded_blas, bar:
         problem = MatchProblem.of(
             x, y, parameters, repair=repair, landmarks=landmarks, labels=labels, progress=progress
@@ -178,11 +178,7 @@ def match(
             return (result, result.log) if log else result
         if not normalize:
             check_same_size(problem.x.full, problem.y.full, problem.parameters.same_area)
-        with concerning("X"):
-            problem.x.prepare()
-        _next(bar, "prepare Y")
-        with concerning("Y"):
-            problem.y.prepare()
+        _prepare(problem)
         _next(bar, "search")
         choice = chosen_map(problem, mirror)
         _next(bar, "register")
@@ -193,6 +189,19 @@ def match(
             found = better_as_part(problem, found)
         result = match_on_given(found, problem.x, problem.y)
     return (result, result.log) if log else result
+
+
+def _prepare(problem: MatchProblem) -> None:
+    """Compute all that belongs to one shape, of both side by side."""
+    shapes = {"X": problem.x, "Y": problem.y}
+    if problem.x.intrinsic is problem.y.intrinsic:
+        del shapes["Y"]
+
+    def prepared(name: str) -> None:
+        with concerning(name):
+            shapes[name].prepare()
+
+    concurrently(prepared, shapes)
 
 
 def _next(bar: tqdm, stage: str) -> None:

@@ -36,7 +36,7 @@ def surfaces(draw):
     return Surface(points * stretch, faces[keep])
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=150, suppress_health_check=list(HealthCheck))
 @given(surfaces())
 def test_exact_is_as_short_as_pygeodesic_or_shorter_with_a_path_to_prove_it(surface):
     # Faces left out make fans that touch in a vertex only, and pieces: pygeodesic reads beyond its arrays there.

@@ -22,7 +22,7 @@ def moved(vertices: np.ndarray, by: list[float]) -> np.ndarray:
     return vertices + np.array(by)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(LINEAR)
 def test_the_gradient_of_a_linear_map_moves_edges_as_the_map_does(linear: np.ndarray) -> None:
     vertices, faces = blob(2)
@@ -76,7 +76,7 @@ def test_pieces_are_each_put_where_they_are_drawn_to() -> None:
     np.testing.assert_allclose(found, targets, atol=1e-6)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.floats(0.01, 100), arrays(np.float64, 3, elements=st.floats(-3, 3)), st.booleans())
 def test_a_similarity_is_found_from_what_it_did(scale: float, turn: np.ndarray, given_size: bool) -> None:
     points = np.random.default_rng(1).normal(size=(20, 3))

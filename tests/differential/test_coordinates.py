@@ -77,7 +77,7 @@ def test_plane_has_no_coordinate_inside():
 
 
 @given(seed=st.integers(0, 10**6), shift=st.floats(-1e3, 1e3), factor=st.floats(1e-3, 1e3))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_equivariance(seed, shift, factor):
     vertices, faces = blob(2, seed=3)
     surface = Surface(vertices, faces)

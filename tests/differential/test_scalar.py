@@ -33,7 +33,7 @@ def test_unit_deviation_over_the_area(name, smoothing):
 
 @pytest.mark.parametrize("name", BUILT_IN)
 @given(exponent=st.floats(-9, 9))
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 def test_no_unit(name, exponent):
     vertices, faces = blob(2)
     f = surface_scalar(Surface(vertices, faces), name, smoothing=0.02)

@@ -308,7 +308,7 @@ class TestBadInput:
 
 
 class TestUnfolding:
-    @settings(max_examples=200, deadline=None)
+    @settings(max_examples=200)
     @given(st.floats(1e-8, 1.0), st.floats(-1.0, 2.0), st.floats(1e-9, 1.0))
     def test_apexes_keep_the_lengths(self, length, x, y):
         points = np.array([[0, 0], [length, 0], [x, y]])

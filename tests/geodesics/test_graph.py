@@ -88,7 +88,7 @@ def test_edges_cover_all_directions() -> None:
         assert slack.max(axis=0)[np.arange(500) != v].min() > -1e-12
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(seed=st.integers(0, 10**6), n=st.integers(4, 60), stretch=st.floats(1, 1000), weight=st.floats(0, 3))
 def test_random_lifted_triangulations(seed: int, n: int, stretch: float, weight: float) -> None:
     rng = np.random.default_rng(seed)

@@ -14,7 +14,7 @@ from qgeo_filters.surface import Surface
 
 
 @given(weight=st.floats(0.001, 2.0), seed=st.integers(0, 100))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_edges_are_those_of_the_graph_in_four_dimensions(weight, seed):
     surface = Surface(*blob(2))
     values = np.random.default_rng(seed).normal(size=surface.n_vertices)

@@ -227,7 +227,7 @@ class TestShortest:
                 assert path.length == pytest.approx(d[j], rel=1e-10)
                 check_definition(path, surface, metric)
 
-    @settings(max_examples=60, deadline=None)
+    @settings(max_examples=60)
     @given(st.integers(0, 2**32 - 1), st.sampled_from([0.0, 0.05, 1.0]), st.booleans(), st.booleans())
     def test_on_random_meshes(self, seed, roughness, lattice, from_edges):
         rng = np.random.default_rng(seed)

@@ -95,7 +95,7 @@ _rows = st.lists(
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-@settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(rows=_rows, frame=st.sampled_from([None, "RAS", "LPS"]))
 @example(rows=[("", None, -1)], frame=None)  # nothing is known of it, but that it is there
 def test_everything_that_the_format_holds_comes_back(tmp_path: Path, suffix: str, rows: list[Any], frame: Any) -> None:

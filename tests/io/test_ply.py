@@ -32,7 +32,7 @@ ATTRIBUTES = st.dictionaries(
 )
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(attributes=ATTRIBUTES)
 def test_any_attribute_reads_back_bit_by_bit(tmp_path, attributes):
     surface = Surface(V, F, attributes)

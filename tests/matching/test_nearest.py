@@ -15,7 +15,7 @@ from qgeo_filters.matching.maps.map_distance import coarse_distortions
 from qgeo_filters.parallel import concurrently
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.integers(1, 60), st.integers(1, 60), st.integers(1, 12), st.integers(0, 1000))
 def test_nearest_rows_are_those_of_all_pairs(n: int, m: int, d: int, seed: int) -> None:
     random = np.random.default_rng(seed)
@@ -39,7 +39,7 @@ def test_nearest_rows_of_many_points(n: int) -> None:
     np.testing.assert_array_equal(back, nearest_neighbors(other, one))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.integers(1, 20), st.integers(1, 20), st.integers(0, 5), st.integers(0, 1000))
 def test_distortions_of_maps(s: int, m: int, count: int, seed: int) -> None:
     random = np.random.default_rng(seed)
@@ -50,7 +50,7 @@ def test_distortions_of_maps(s: int, m: int, count: int, seed: int) -> None:
     np.testing.assert_allclose(coarse_distortions(near_x, near_y, maps), expected, rtol=1e-5, atol=1e-6)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.integers(1, 6), st.integers(1, 4), st.integers(0, 1000))
 def test_functional_maps_of_a_stack_are_those_of_its_layers(k: int, layers: int, seed: int) -> None:
     """Equal to those of one layer after the other, and exact where a linear map is there to be found."""

@@ -230,7 +230,7 @@ def test_a_soup_with_backs_is_one_surface():
 # -- any soup of triangles ----------------------------------------------------------------------------
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(seed=st.integers(0, 2**32 - 1), share=st.floats(0.0, 1.0), scale=st.sampled_from([1e-9, 1.0, 1e9]))
 def test_cut_anywhere_it_becomes_the_same_surface(seed, share, scale):
     """Any corners of a closed mesh get vertices of their own; faces, vertices and input come in any order."""

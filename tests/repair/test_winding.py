@@ -103,7 +103,7 @@ def test_where_there_is_no_inside_or_no_agreement_none_is_made_up(mesh, side):
     assert Surface(*mesh).winding == side
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seed=st.integers(0, 2**32 - 1), hole=st.floats(0.4, 1.0), name=st.sampled_from(sorted(SHAPES)))
 def test_numbering_place_size_and_holes_do_not_matter(seed, hole, name):
     random = np.random.default_rng(seed)

@@ -11,7 +11,7 @@ from qgeo_filters.spectral.canonical import canonical_signs, group_multiplets, s
 
 
 @given(seed=st.integers(0, 10**6), flips=st.lists(st.booleans(), min_size=5, max_size=5))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_signs_do_not_depend_on_those_that_came_in(seed, flips):
     rng = np.random.default_rng(seed)
     functions, areas = rng.normal(size=(60, 5)) ** 3, rng.uniform(0.1, 1, 60)

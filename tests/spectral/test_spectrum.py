@@ -118,7 +118,7 @@ def test_two_triangulations_of_one_surface_agree():
 
 
 @given(seed=st.integers(0, 10**6))
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 def test_numbering_changes_nothing(lopsided, seed):
     surface, matrix = lopsided
     order = np.random.default_rng(seed).permutation(surface.n_vertices)

@@ -75,7 +75,7 @@ class CompareWidget(ComparedColors):
             controls_beside = [follow, *beside, brush, wipe]
             self._assemble(viewer, ["X", "Y"], CARRIED, beside=controls_beside, below=[self._worst, *below])
             self.observe(lambda change: self._open_viewer.set_brush(change["new"]), "brush")
-            self.observe(lambda _: self._painted_changed(), "painted")
+            self.observe(lambda _: self._show_painted(), "painted")
             self.observe(lambda _: self._show_picks(), ["picked", "second"])
             self._show_picks()
             self._show_orientation()
@@ -136,7 +136,7 @@ class CompareWidget(ComparedColors):
             touched = np.flatnonzero(np.isin(self._map.forward, touched))
         self.painted = [*self.painted, *touched.tolist()]
 
-    def _painted_changed(self) -> None:
+    def _show_painted(self) -> None:
         if self.painted and self.mode != PAINTED:
             self.mode = PAINTED
         else:
