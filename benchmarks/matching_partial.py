@@ -9,6 +9,8 @@ patches of random size ("holes"), and are matched to another pose; the numbers t
 cuts in even places of the sorted list were tuned on, those in odd places were not. Errors are geodesic distances on Y
 to the true point over sqrt(area of Y), of vertices that have a partner. A map is right if its mean error is below .1.
 
+With ``--landmarks``, so many points of truth are known, those farthest from each other on the part.
+
 With ``--within``, the experiment that decided how distances are compared: how much a distance on the part counts that
 is not that on the whole although a cut may explain it (see `distance_bounds`); 1 counts it like any other.
 """
@@ -57,12 +59,13 @@ def main() -> None:
     parser.add_argument("--pfarm", metavar="FOLDER")
     parser.add_argument("--pairs", nargs="+", default=PAIRS)
     parser.add_argument("--seeds", nargs="+", type=int, default=[0, 1])
+    parser.add_argument("--landmarks", nargs="+", type=int, default=[0], metavar="COUNT")
     parser.add_argument("--within", nargs="+", type=float, default=[PartialParameters.within_bounds])
     arguments = parser.parse_args()
     print(f"{machine()}\n")
-    print("| set | within bounds | cases | share of the area | mean error | median | right | sure | sure and wrong | "
+    print("| set | within bounds | landmarks | cases | share of the area | mean error | median | right | sure | sure and wrong | "
           "overlap, IoU | CPU s |")  # fmt: skip
-    print("| --- |" + " ---: |" * 10)
+    print("| --- |" + " ---: |" * 11)
     sets: list[tuple[str, list[Case]]] = []
     if arguments.pfarm:
         cuts = list(_pfarm(Path(arguments.pfarm)))
@@ -75,7 +78,8 @@ def main() -> None:
                 sets.append((f"TOSCA {kind}, {what}", list(_tosca(data, arguments.pairs, kind, seed))))
     for name, cases in sets:
         for within in arguments.within:
-            _row(name, cases, replace(PartialParameters(), within_bounds=within))
+            for count in arguments.landmarks:
+                _row(name, cases, replace(PartialParameters(), within_bounds=within), count)
 
 
 def _pfarm(folder: Path) -> Iterator[Case]:
@@ -117,11 +121,12 @@ def _outside_patches(pose: Surface, random: np.random.Generator) -> np.ndarray:
     return np.all(rows > random.uniform(0.1, 0.22, (5, 1)), axis=0)
 
 
-def _row(name: str, cases: list[Case], given: PartialParameters) -> None:
+def _row(name: str, cases: list[Case], given: PartialParameters, count: int) -> None:
     shares, errors, sure, overlaps, seconds = [], [], [], [], []
     for case in cases:
         start = time.process_time()
-        problem = MatchProblem.of(case.part, case.whole, repair="force")  # cuts leave corners that hang by a vertex
+        # Cuts leave corners that hang by a vertex.
+        problem = MatchProblem.of(case.part, case.whole, repair="force", landmarks=_landmarks(case, count))
         found = partial_match(problem, given=given)
         seconds.append(time.process_time() - start)
         origin = np.arange(len(case.truth)) if problem.x.repair is None else problem.x.repair.origin
@@ -134,9 +139,20 @@ def _row(name: str, cases: list[Case], given: PartialParameters) -> None:
         said = f"{'sure' if sure[-1] else 'not sure'}: {found.explanation}"
         print(f"<!-- {name}, {case.name}: error {errors[-1]:.4f}, overlap {overlaps[-1]:.2f}; {said} -->", flush=True)
     wrong = np.array(errors) > RIGHT
-    print(f"| {name} | {given.within_bounds:g} | {len(cases)} | {min(shares):.2f} to {max(shares):.2f} | "
+    print(f"| {name} | {given.within_bounds:g} | {count} | {len(cases)} | {min(shares):.2f} to {max(shares):.2f} | "
           f"{np.mean(errors):.3f} | {np.median(errors):.3f} | {int((~wrong).sum())} | {sum(sure)} | "
           f"{int((wrong & sure).sum())} | {np.mean(overlaps):.2f} | {np.mean(seconds):.1f} |", flush=True)  # fmt: skip
+
+
+def _landmarks(case: Case, count: int) -> list[tuple[int, int]] | None:
+    """Points of truth that are farthest from each other, in space; None for none."""
+    known = np.flatnonzero(case.truth >= 0)
+    places = case.part.vertices[known]
+    chosen, nearest = [], np.linalg.norm(places - places.mean(axis=0), axis=1)
+    for _ in range(count):
+        chosen.append(int(nearest.argmax()))
+        nearest = np.minimum(nearest, np.linalg.norm(places - places[chosen[-1]], axis=1))
+    return [(int(known[i]), int(case.truth[known[i]])) for i in chosen] or None
 
 
 def _overlap(found: np.ndarray, case: Case) -> float:

@@ -170,10 +170,6 @@ def match(
         if matched_as_part(problem.x.full, problem.y.full, partial, normalize):
             if mirror == "yes":
                 raise ParameterError("partial matches keep the orientation: reflect one shape, or leave out partial")
-            if landmarks is not None or labels is not None:
-                raise ParameterError(
-                    "landmarks and labels do not steer partial matches yet: leave them out, or partial"
-                )
             result = match_on_given(partial_match(problem, normalize=normalize), problem.x, problem.y)
             return (result, result.log) if log else result
         if not normalize:
@@ -185,7 +181,7 @@ def match(
         dense = finished(problem.with_mirrored_y() if choice.mirrored else problem, choice.decision.dense)
         _next(bar, "matched")
         found = described(problem, choice, dense, mirror)
-        if partial == "auto" and mirror != "yes" and landmarks is None and labels is None:
+        if partial == "auto" and mirror != "yes":
             found = better_as_part(problem, found)
         result = match_on_given(found, problem.x, problem.y)
     return (result, result.log) if log else result

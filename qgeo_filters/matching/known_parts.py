@@ -122,20 +122,28 @@ class KnownParts:
 
 def working_vertices(shape: PreparedShape, vertices: IndexArray) -> IndexArray:
     """Vertices of the coarse shape nearest to vertices of the one that was given, also to lost ones."""
-    found = vertices
-    if shape.repair is not None:
-        found = shape.repair.vertex_of_original[vertices].astype(np.int64)
-        lost = found < 0
-        if lost.any():
-            found[lost] = cKDTree(shape.full.vertices).query(shape.given.vertices[vertices[lost]])[1]
-    return shape.vertex_of_full[found]
+    return shape.vertex_of_full[full_vertices(shape, vertices)]
 
 
 def working_labels(shape: PreparedShape, labels: IndexArray) -> IndexArray:
     """Label of each vertex of the coarse shape, from those of the surface that was given."""
-    if not len(labels):
-        return labels
-    return (labels if shape.repair is None else labels[shape.repair.origin])[shape.full_vertices]
+    return full_labels(shape, labels)[shape.full_vertices] if len(labels) else labels
+
+
+def full_vertices(shape: PreparedShape, vertices: IndexArray) -> IndexArray:
+    """Vertices of the repaired surface for some of the one that was given, the nearest for lost ones."""
+    if shape.repair is None:
+        return vertices
+    found = shape.repair.vertex_of_original[vertices].astype(np.int64)
+    lost = found < 0
+    if lost.any():
+        found[lost] = cKDTree(shape.full.vertices).query(shape.given.vertices[vertices[lost]])[1]
+    return found
+
+
+def full_labels(shape: PreparedShape, labels: IndexArray) -> IndexArray:
+    """Label of each vertex of the repaired surface."""
+    return labels if shape.repair is None else labels[shape.repair.origin]
 
 
 def _from_part(shape: PreparedShape, inside: np.ndarray) -> FloatArray:

@@ -27,6 +27,8 @@ class CoarseMap:
         Mean violation of the bounds of distances.
     unlikeness : float
         Mean cost of the descriptors.
+    disagreement : float
+        Mean cost of what is known, see `hint_costs`.
     orientation : float
         1 if triangles of neighbouring points keep their side, -1 if they are turned over.
     """
@@ -34,19 +36,22 @@ class CoarseMap:
     p2p: IndexArray
     distortion: float
     unlikeness: float
+    disagreement: float
     orientation: float
 
 
 class CoarseMapper:
     """Maps of X's first farthest points to Y's, from those of landmarks."""
 
-    def __init__(self, x: PartShape, y: PartShape, descriptors: SingleArray) -> None:
+    def __init__(self, x: PartShape, y: PartShape, descriptors: SingleArray, hints: SingleArray) -> None:
         self.x, self.y, self.given = x, y, x.given
         self.count = min(self.given.coarse_points, len(x.fps))
         self.least, self.most = distance_bounds(x, self.count)
         between = y.rows[:, y.fps]
         self.between = np.maximum(between, between.T)
         self.descriptors = descriptors[: self.count].astype(np.float64)
+        self.hints = hints[: self.count].astype(np.float64)
+        self.alone = self.given.dense_descriptor_weight * self.descriptors + self.given.hint_weight * self.hints
         self.closeness = (np.exp(-self.most / self.given.locality) + 0.05).astype(np.float32)
 
     def grown(self, images: IndexArray) -> CoarseMap:
@@ -63,14 +68,14 @@ class CoarseMapper:
                 given.within_bounds,
                 given.pair_cap,
             )
-            images = (costs + given.dense_descriptor_weight * self.descriptors).argmin(axis=1)
+            images = (costs + self.alone).argmin(axis=1)
             some = np.arange(self.count)
         distortion = mean_violation(
             self.least, self.most, self.between[np.ix_(images, images)], given.within_bounds, given.pair_cap
         )
-        unlikeness = float(self.descriptors[some, images].mean())
+        unlikeness, disagreement = (float(costs[some, images].mean()) for costs in (self.descriptors, self.hints))
         p2p = self.y.fps[images]
-        return CoarseMap(p2p, distortion, unlikeness, coarse_orientation(self.x, self.y, p2p))
+        return CoarseMap(p2p, distortion, unlikeness, disagreement, coarse_orientation(self.x, self.y, p2p))
 
 
 def coarse_orientation(x: PartShape, y: PartShape, p2p: IndexArray) -> float:

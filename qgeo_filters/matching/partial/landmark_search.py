@@ -26,7 +26,7 @@ class LandmarkMaps:
     costs: FloatArray
 
 
-def landmark_maps(x: PartShape, y: PartShape, descriptors: SingleArray) -> LandmarkMaps:
+def landmark_maps(x: PartShape, y: PartShape, descriptors: SingleArray, hints: SingleArray) -> LandmarkMaps:
     """Different maps of the first farthest points of X to those of Y, which keep distances and surroundings best.
 
     The landmarks lie far from the rim of X and from each other. They are added one after the other; hypotheses are kept
@@ -39,7 +39,8 @@ def landmark_maps(x: PartShape, y: PartShape, descriptors: SingleArray) -> Landm
     count = min(given.landmarks, len(x.fps))
     least, most = distance_bounds(x, count)
     kind = between[: given.kinds].argmin(axis=0)
-    alone = given.descriptor_weight * descriptors[:count, :targets].astype(np.float64)
+    alone = given.descriptor_weight * descriptors[:count, :targets] + given.hint_weight * hints[:count, :targets]
+    alone = alone.astype(np.float64)
     chosen, costs = np.arange(targets)[:, None], alone[0]
     for i in range(1, count):
         added = added_costs(least[i, :i], most[i, :i], between, chosen, given.within_bounds, given.pair_cap)

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.matching.known_parts import KnownParts
 from qgeo_filters.matching.maps.orientation import orientation
 from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.partial.coarse_maps import CoarseMap, CoarseMapper
 from qgeo_filters.matching.partial.distance_bounds import mean_violation
 from qgeo_filters.matching.partial.landmark_search import landmark_maps
 from qgeo_filters.matching.partial.local_descriptors import ball_agreement, descriptor_costs
+from qgeo_filters.matching.partial.part_hints import hint_costs
 from qgeo_filters.matching.partial.part_registration import PartMap, PartRegistration
 from qgeo_filters.matching.partial.part_shape import PartShape
 from qgeo_filters.parallel import concurrently
@@ -38,9 +40,12 @@ class PlacedPart:
     agreement : float
         Correlation of the areas of balls that no cut has changed with those around the images.
     cost : float
-        Product of the above; distances as fractions of the part's size, so that it can be compared between sizes.
+        Product of the above; distances as fractions of the part's size, so that it can be compared between sizes. Times
+        what it does to the hints.
     number : int
         In the log.
+    penalty : float
+        That factor; 1 without any hints.
     """
 
     map: PartMap
@@ -53,6 +58,7 @@ class PlacedPart:
     agreement: float
     cost: float
     number: int
+    penalty: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,20 +72,23 @@ class PartDecision:
         How many times its cost the next different place's is; inf if there is none.
     runner_up : float
         Distortion of that one.
+    unhinted : float
+        How many times its cost the cheapest different place's would be if there were no hints; inf without any.
     """
 
     best: PlacedPart
     margin: float
     runner_up: float
+    unhinted: float = np.inf
 
 
 class PartChoice:
-    """The search for one part on one whole."""
+    """The search for one part on one whole, with what is known of its place."""
 
-    def __init__(self, x: PartShape, y: PartShape, log: MatchLog) -> None:
-        self.x, self.y, self.log, self.given = x, y, log, x.given
-        self.descriptors = descriptor_costs(x, y)
-        self.mapper = CoarseMapper(x, y, self.descriptors)
+    def __init__(self, x: PartShape, y: PartShape, log: MatchLog, known: KnownParts | None = None) -> None:
+        self.x, self.y, self.log, self.given, self.known = x, y, log, x.given, known
+        self.descriptors, self.hints = descriptor_costs(x, y), hint_costs(known, x, y)
+        self.mapper = CoarseMapper(x, y, self.descriptors, self.hints)
 
     def decide(self) -> PartDecision:
         """The cheapest of the places that keep the orientation."""
@@ -89,14 +98,19 @@ class PartChoice:
         apart = [p for p in placed[1:] if images_apart(self.y, p.map.p2p, best.map.p2p) > self.given.apart]
         if not apart:
             return PartDecision(best, np.inf, np.inf)
-        return PartDecision(best, apart[0].cost / best.cost, apart[0].distortion)
+        unhinted = min(p.cost / p.penalty for p in apart) / (best.cost / best.penalty) if self.known else np.inf
+        return PartDecision(best, apart[0].cost / best.cost, apart[0].distortion, unhinted)
 
     def _competing(self) -> list[tuple[int, CoarseMap]]:
         """Coarse maps that are registered, with their numbers in the log."""
         given = self.given
-        hypotheses = landmark_maps(self.x, self.y, self.descriptors)
-        grown = concurrently(self.mapper.grown, list(hypotheses.images))
-        grown.sort(key=lambda c: c.distortion + given.unlikeness_weight * c.unlikeness)
+        starts = list(landmark_maps(self.x, self.y, self.descriptors, self.hints).images)
+        if self.known:  # what would win without the hints is tried, too, so that their disagreement can be told
+            starts += list(landmark_maps(self.x, self.y, self.descriptors, np.zeros_like(self.hints)).images)
+        grown = concurrently(self.mapper.grown, starts)
+        grown.sort(
+            key=lambda c: c.distortion + given.unlikeness_weight * c.unlikeness + given.hint_weight * c.disagreement
+        )
         kept: list[tuple[int, CoarseMap]] = []
         turned = all(c.orientation < given.keeps_orientation for c in grown)
         bound = np.inf
@@ -118,7 +132,7 @@ class PartChoice:
         return kept
 
     def _placed(self, maps: list[tuple[int, CoarseMap]]) -> list[PlacedPart]:
-        registration = PartRegistration(self.x, self.y, self.x.fps[: self.mapper.count])
+        registration = PartRegistration(self.x, self.y, self.x.fps[: self.mapper.count], self.known)
         try:
             found = concurrently(lambda m: registration.register(m[1].p2p), maps)
         finally:
@@ -144,12 +158,14 @@ class PartChoice:
             * (unlikeness + given.least_unlikeness)
             * float(np.sqrt(max(distortion, given.least_distortion) / np.sqrt(x.area)))
         )
+        penalty = float(self.known.penalties(np.arange(len(p2p)), p2p)) ** 2 if self.known else 1.0
+        cost *= penalty
         agreement = ball_agreement(x, y, place)
         self.log.note(
             number, mean_distortion=distortion, orientation=turned, strain=strain, torn=torn, folded=folded,
             hks_agreement=agreement, end_cost=cost,
         )  # fmt: skip
-        return PlacedPart(part, strain, torn, folded, distortion, unlikeness, turned, agreement, cost, number)
+        return PlacedPart(part, strain, torn, folded, distortion, unlikeness, turned, agreement, cost, number, penalty)
 
 
 def images_apart(y: PartShape, one: IndexArray, other: IndexArray) -> float:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
 from qgeo_filters.deformation.arap import Pull, Solve
+from qgeo_filters.matching.known_parts import KnownParts
 from qgeo_filters.matching.maps.functional_map import nearest_neighbors_both_ways
 from qgeo_filters.matching.parameters import Stage
 from qgeo_filters.matching.partial.part_shape import PartShape
@@ -56,11 +57,12 @@ class _Step:
 class PartRegistration:
     """Registers maps of some points of one part to one whole; the factorisations are shared by all of them.
 
-    To be made and released in one thread; `register` may run in any.
+    What is known of the place is felt near it, as in `smooth_shells.register`. To be made and released in one thread;
+    `register` may run in any.
     """
 
-    def __init__(self, x: PartShape, y: PartShape, points: IndexArray) -> None:
-        self.x, self.y, self.points = x, y, points
+    def __init__(self, x: PartShape, y: PartShape, points: IndexArray, known: KnownParts | None = None) -> None:
+        self.x, self.y, self.points, self.known = x, y, points, known
         mass = np.zeros(x.n_vertices)
         mass[points] = x.area / len(points)
         self.steps: list[_Step] = []
@@ -124,9 +126,15 @@ class PartRegistration:
         weight = 1 / (k * np.sqrt(np.pi))
         deformed = x.surface.with_vertices(positions)
         carried = x.laplacian[:, : len(functional)] @ functional
-        left = np.column_stack([weight * carried, positions, normals * deformed.vertex_normals])
-        right = np.column_stack([weight * y.laplacian[:, :k], y.vertices, normals * y.normals])
-        forth, back = nearest_neighbors_both_ways(left.astype(np.float32), right.astype(np.float32))
+        left = [weight * carried, positions, normals * deformed.vertex_normals]
+        right = [weight * y.laplacian[:, :k], y.vertices, normals * y.normals]
+        if self.known is not None:
+            profiles = self.known.profiles
+            left.append(self.known.parameters.hint_weight * profiles[0])
+            right.append(self.known.parameters.hint_weight * profiles[1])
+        forth, back = nearest_neighbors_both_ways(
+            np.column_stack(left).astype(np.float32), np.column_stack(right).astype(np.float32)
+        )
         return PartMap(forth, back, positions)
 
     def _pairs(self, found: PartMap) -> tuple[IndexArray, IndexArray, FloatArray]:

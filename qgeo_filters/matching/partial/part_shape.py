@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse.csgraph import dijkstra
 
@@ -101,13 +102,22 @@ class PartShape:
         count = min(self.given.eigenfunctions, self.n_vertices // 3)
         return laplacian_spectrum(self.surface, count).eigenfunctions.astype(np.float32)
 
+    def distances(self, sources: IndexArray) -> FloatArray:
+        """Distances from some vertices to all, (s, n)."""
+        return distances(self.surface, sources)
+
+    def distance_from(self, inside: npt.NDArray[np.bool_]) -> FloatArray:
+        """Distance of each vertex from the nearest of some, (n,), along edges."""
+        return np.asarray(dijkstra(self._graph, directed=False, indices=np.flatnonzero(inside), min_only=True))
+
     @cached_property
     def rim(self) -> FloatArray:
         """Distance of each vertex to the boundary, (n,), along edges; a large number if there is none."""
         if not self.has_rim:
             return np.full(self.n_vertices, _FAR)
-        rim = self.surface.boundary_vertices
-        return np.asarray(dijkstra(self._graph, directed=False, indices=rim, min_only=True))
+        inside = np.zeros(self.n_vertices, dtype=bool)
+        inside[self.surface.boundary_vertices] = True
+        return self.distance_from(inside)
 
     @cached_property
     def fps(self) -> IndexArray:
@@ -128,7 +138,7 @@ class PartShape:
     @cached_property
     def rows(self) -> SingleArray:
         """Distances from the farthest points to all vertices, (m, n)."""
-        return distances(self.surface, self.fps).astype(np.float32)
+        return self.distances(self.fps).astype(np.float32)
 
     @cached_property
     def bulge(self) -> FloatArray:

@@ -10,7 +10,13 @@ from qgeo_filters.matching.partial.partial_parameters import PartialParameters
 
 
 def part_verdict(
-    given: PartialParameters, name: str, area: float, found: Overlap, decision: PartDecision, score: float
+    given: PartialParameters,
+    name: str,
+    area: float,
+    found: Overlap,
+    decision: PartDecision,
+    score: float,
+    located: bool = False,
 ) -> tuple[bool, str]:
     """Whether a place is sure, and why.
 
@@ -22,11 +28,13 @@ def part_verdict(
         Its share of the whole's.
     score : float
         How far distances lie outside the bounds that the cut leaves, in the mean.
+    located : bool
+        Whether so much is known of the place that a small part cannot lie anywhere else.
     """
     best = decision.best
     whole = "Y" if name == "X" else "X"
     what = f"{name} as a part of {whole} ({100 * area:.0f} % of its area)"
-    if area < given.least_area:
+    if area < given.least_area and not located:
         return False, f"{what} is too small to tell where it belongs: parts of at least {given.least_area:.0%} can be"
     if score > given.near_isometric:
         return False, f"{what}: distances differ by {score:.3f} sqrt(area) more than a cut explains"

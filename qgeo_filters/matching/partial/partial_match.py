@@ -9,6 +9,8 @@ import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, PartialOption
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.matching.hints import Hints
+from qgeo_filters.matching.known_parts import KnownParts
 from qgeo_filters.matching.maps.functional_map import functional_map
 from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.match_result import MatchResult
@@ -16,12 +18,14 @@ from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.partial.distance_bounds import distance_bounds, violations
 from qgeo_filters.matching.partial.overlap import Overlap, in_faces_of, overlap
 from qgeo_filters.matching.partial.part_choice import PartChoice, PartDecision, images_apart
+from qgeo_filters.matching.partial.part_hints import known_of_part, resized
+from qgeo_filters.matching.partial.part_registration import PartMap
 from qgeo_filters.matching.partial.part_shape import PartShape
 from qgeo_filters.matching.partial.part_verdict import part_verdict
 from qgeo_filters.matching.partial.partial_parameters import PartialParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.problem import MatchProblem
-from qgeo_filters.matching.verdict import with_sides
+from qgeo_filters.matching.verdict import with_hints, with_sides
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
 
@@ -34,7 +38,7 @@ def partial_match(
     Parameters
     ----------
     problem : MatchProblem
-        Shapes in one unit of length.
+        Shapes in one unit of length; its hints steer the search.
     normalize : bool
         Whether the part may be of another size, up to about a quarter smaller or larger: several are tried.
     given : PartialParameters, optional
@@ -55,7 +59,7 @@ def partial_match(
     chosen = PartialParameters() if given is None else given
     x_is_part = part_is_x(problem.x.full, problem.y.full)
     part, whole = (problem.x, problem.y) if x_is_part else (problem.y, problem.x)
-    pair = _Pair.of(part, whole, chosen)
+    pair = _Pair.of(part, whole, chosen, problem.hints, 0 if x_is_part else 1)
     pair, decision = _sized(pair, problem.log) if normalize else (pair, _decided(pair, problem.log))
     return _described(problem, pair, decision, x_is_part)
 
@@ -124,18 +128,26 @@ class _Pair:
 
     part: PartShape
     whole: PartShape
+    known: KnownParts | None
 
     @classmethod
-    def of(cls, part: PreparedShape, whole: PreparedShape, given: PartialParameters) -> _Pair:
+    def of(
+        cls, part: PreparedShape, whole: PreparedShape, given: PartialParameters, hints: Hints | None, side: int
+    ) -> _Pair:
         unit = float(np.sqrt(whole.full.area))
-        return cls(
-            _part_shape(part, unit, given),
+        shapes = (
+            PartShape(part.oriented, unit, given.part_vertices, given.part_points, given),
             PartShape(whole.oriented, unit, given.whole_vertices, given.whole_points, given),
         )
+        return cls(*shapes, known_of_part(hints, (part, whole), shapes, side) if hints else None)
+
+    def resized(self, ratio: float) -> _Pair:
+        """The same, the part so many times as large."""
+        return _Pair(self.part.resized(ratio), self.whole, resized(self.known, ratio) if self.known else None)
 
 
 def _decided(pair: _Pair, log: MatchLog) -> PartDecision:
-    return PartChoice(pair.part, pair.whole, log).decide()
+    return PartChoice(pair.part, pair.whole, log, pair.known).decide()
 
 
 def _sized(pair: _Pair, log: MatchLog) -> tuple[_Pair, PartDecision]:
@@ -146,17 +158,17 @@ def _sized(pair: _Pair, log: MatchLog) -> tuple[_Pair, PartDecision]:
     given = pair.part.given
     tried: list[tuple[_Pair, PartDecision, MatchLog]] = []
 
-    def tried_at(part: PartShape) -> None:
+    def tried_at(sized: _Pair) -> None:
         own = MatchLog()
-        tried.append((_Pair(part, pair.whole), _decided(_Pair(part, pair.whole), own), own))
+        tried.append((sized, _decided(sized, own), own))
 
     for size in given.sizes:
         if size == 1 or pair.part.area * size**2 < given.most_area:
-            tried_at(pair.part.resized(size))
+            tried_at(pair.resized(size))
     best = min(tried, key=lambda t: t[1].best.cost)
     size = _relative_size(best[0], best[1])
     if abs(np.log(size)) > np.log(given.same_size):
-        tried_at(best[0].part.resized(size))
+        tried_at(best[0].resized(size))
         best = min(tried, key=lambda t: t[1].best.cost)
     chosen, decision, own = best
     log.maps = own.maps
@@ -164,12 +176,8 @@ def _sized(pair: _Pair, log: MatchLog) -> tuple[_Pair, PartDecision]:
     apart = [d.best for _, d, _ in tried if images_apart(pair.whole, d.best.map.p2p, here) > given.apart]
     rival = min(apart, key=lambda p: p.cost, default=None)
     if rival is not None and rival.cost < decision.margin * decision.best.cost:
-        decision = PartDecision(decision.best, rival.cost / decision.best.cost, rival.distortion)
+        decision = replace(decision, margin=rival.cost / decision.best.cost, runner_up=rival.distortion)
     return chosen, decision
-
-
-def _part_shape(part: PreparedShape, unit: float, given: PartialParameters) -> PartShape:
-    return PartShape(part.oriented, unit, given.part_vertices, given.part_points, given)
 
 
 def _relative_size(pair: _Pair, decision: PartDecision) -> float:
@@ -188,7 +196,11 @@ def _described(problem: MatchProblem, pair: _Pair, decision: PartDecision, x_is_
     found = overlap(part, whole, best.map)
     distortion = part.proxy.pulled_back(_distortion(part, whole, best.map.p2p))
     score = float(part.full.vertex_areas @ distortion) / part.full.area
-    confident, explanation = part_verdict(part.given, "X" if x_is_part else "Y", part.area, found, decision, score)
+    located = pair.known is not None and len(pair.known.to_x) >= problem.parameters.hints_that_locate
+    name = "X" if x_is_part else "Y"
+    confident, explanation = part_verdict(part.given, name, part.area, found, decision, score, located)
+    problem = problem.with_known(pair.known)
+    confident, explanation = with_hints(problem, best.map.p2p, decision.unhinted, confident, explanation)
     sides = {"X": problem.x.winding, "Y": problem.y.winding}
     confident, explanation = with_sides(sides, confident, explanation)
     regions = _regions(whole, found)
@@ -227,7 +239,18 @@ def _described(problem: MatchProblem, pair: _Pair, decision: PartDecision, x_is_
         log=problem.log,
         overlap_x=found.share_of_part if x_is_part else found.share_of_whole,
         overlap_y=found.share_of_whole if x_is_part else found.share_of_part,
+        landmark_errors=frozen(_landmark_errors(pair, best.map, x_is_part)),
     )
+
+
+def _landmark_errors(pair: _Pair, found: PartMap, x_is_part: bool) -> FloatArray:
+    """Distance (k,) on Y between the image of each landmark and its partner, in sqrt(area of Y)."""
+    if pair.known is None:
+        return np.zeros(0)
+    if x_is_part:
+        return pair.known.landmark_errors(found.p2p)
+    images = found.back[pair.known.landmarks[:, 1]]
+    return pair.known.to_x[np.arange(len(images)), images].astype(np.float64) / np.sqrt(pair.part.area)
 
 
 def _distortion(part: PartShape, whole: PartShape, p2p: npt.NDArray[np.int64]) -> FloatArray:

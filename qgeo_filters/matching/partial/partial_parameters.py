@@ -52,6 +52,8 @@ class PartialParameters:
     #: Weight of descriptors against distances, in the search and for dense maps.
     descriptor_weight: float = 0.5
     dense_descriptor_weight: float = 0.15
+    #: Weight of what a user knows against distances, in both; where it is known, that decides.
+    hint_weight: float = 2.0
     #: Mean distance of landmarks' images from which hypotheses differ, and how many are made dense.
     different: float = 0.06
     hypotheses: int = 40
