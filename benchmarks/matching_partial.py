@@ -63,8 +63,8 @@ def main() -> None:
     parser.add_argument("--within", nargs="+", type=float, default=[PartialParameters.within_bounds])
     arguments = parser.parse_args()
     print(f"{machine()}\n")
-    print("| set | within bounds | landmarks | cases | share of the area | mean error | median | right | sure | sure and wrong | "
-          "overlap, IoU | CPU s |")  # fmt: skip
+    print("| set | within bounds | landmarks | cases | share of the area | mean error | median | right | sure | "
+          "sure and wrong | overlap, IoU | CPU s |")  # fmt: skip
     print("| --- |" + " ---: |" * 11)
     sets: list[tuple[str, list[Case]]] = []
     if arguments.pfarm:
