@@ -310,6 +310,10 @@ class MatchingParameters:
     probes: int = 200
     #: The runner-up must cost this many times as much (tuning: right maps 1.29 and more; a sphere has many at 1).
     margin: float = 1.3
+    #: A map along which the relief disagrees by less than this times as much must cost this many times as much: a chest
+    #: on a back can strain, tear and fold less than where it belongs (victoria2-victoria23: 1.44, at .78).
+    contrary_relief: float = 0.8
+    contrary_margin: float = 2.0
     #: The best map of the other handedness must cost this many times as much.
     clear_hand: float = 1.3
     #: Mean distortion up to which shapes are near-isometric (tuning .01 to .04; different animals .2).

@@ -13,8 +13,22 @@ from qgeo_filters.matching.search import Found
 from qgeo_filters.repair.winding import Winding
 
 
-def verdict(given: MatchingParameters, score: float, margin: float, turned: float, alike: float) -> tuple[bool, str]:
-    """Whether a map of this distortion (score), margin, orientation and agreement of heat kernels is sure, and why."""
+def verdict(
+    given: MatchingParameters, score: float, turned: float, alike: float, margin: float, contrary: float = np.inf
+) -> tuple[bool, str]:
+    """Whether a map is sure, and why.
+
+    Parameters
+    ----------
+    score : float
+        Its distortion.
+    turned : float
+        Its orientation.
+    alike : float
+        Agreement of heat kernels.
+    margin, contrary : float
+        See `Decision`.
+    """
     if score > given.near_isometric:
         return False, f"distances differ by {score:.3f} sqrt(area) in the mean: the shapes are not near-isometric"
     if abs(turned) < given.settled_orientation:
@@ -33,6 +47,11 @@ def verdict(given: MatchingParameters, score: float, margin: float, turned: floa
         return False, (
             f"another map fits nearly as well (its cost is {margin:.2f} times as large): "
             "the shape looks alike in more than one way"
+        )
+    if contrary < given.contrary_margin:
+        return False, (
+            f"another map costs only {contrary:.2f} times as much, and what bulges and what is hollow agrees better "
+            "along it: this one may have the front where the back should be"
         )
     rival = f"the next different map costs {margin:.1f} times as much" if margin < np.inf else "there is no other map"
     return True, f"distances are kept to {score:.3f} sqrt(area) in the mean; {rival}"

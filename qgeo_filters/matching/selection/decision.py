@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -37,6 +38,9 @@ class Decision:
         What it costs where it ends, see `Contender.end_cost`, and without the hints.
     unhinted : float
         How many times its cost the cheapest different contender's would be if there were no hints; inf without any.
+    contrary : float
+        How many times its cost that of the next different contender is along which the relief agrees clearly better;
+        inf if there is none.
     """
 
     dense: DenseMap
@@ -48,13 +52,14 @@ class Decision:
     cost: float
     unhinted_cost: float
     unhinted: float = np.inf
+    contrary: float = np.inf
 
 
 def choose_map(problem: MatchProblem, pool: list[Candidate]) -> Decision:
     """The best of the candidates between the coarse shapes: of those cheap in a preview the one that ends cheapest."""
     with _factorisations_released(problem):
         ranked = previewed(problem, pool)
-        return _decided(*_settled(problem, ranked, apart=problem.parameters.different_mean))
+        return _settled(problem, ranked, apart=problem.parameters.different_mean)[1]
 
 
 def choose_reflection(problem: MatchProblem, pool: list[Candidate]) -> Decision:
@@ -65,8 +70,8 @@ def choose_reflection(problem: MatchProblem, pool: list[Candidate]) -> Decision:
     """
     with _factorisations_released(problem):
         ranked = without_fixed_limbs(problem, previewed(problem, pool))
-        best, *clear = _settled(problem, ranked, apart=problem.parameters.reflection_apart)
-        return _decided(_with_parts_turned(problem, best), *clear)
+        best, decision = _settled(problem, ranked, apart=problem.parameters.reflection_apart)
+        return replace(decision, **_found(_with_parts_turned(problem, best)))
 
 
 @contextmanager
@@ -138,11 +143,8 @@ def settled(problem: MatchProblem, close: list[Contender]) -> list[Contender]:
     return best
 
 
-def _settled(problem: MatchProblem, ranked: list[Contender], apart: float) -> tuple[Contender, float, float, float]:
-    """The cheapest contender, how many times as much the next one ``apart`` from it costs, and its distortion.
-
-    And how many times as much the cheapest would cost if there were no hints.
-    """
+def _settled(problem: MatchProblem, ranked: list[Contender], apart: float) -> tuple[Contender, Decision]:
+    """The cheapest contender, and how clear that is beside those ``apart`` from it."""
     close = close_contenders(problem, ranked)
     ends = settled(problem, close)
     order = sorted(range(len(close)), key=lambda i: ends[i].end_cost)
@@ -157,8 +159,19 @@ def _settled(problem: MatchProblem, ranked: list[Contender], apart: float) -> tu
     others = [c for c in ranked if not any(c is t for t in close)]
     rivals += [(c.cost / preview.cost, c) for c in others if _gap(problem, c, best) > apart]
     margin, rival = min(rivals, key=lambda pair: pair[0], default=(np.inf, None))
-    unhinted = min((ratio * best.penalty / c.penalty for ratio, c in rivals), default=np.inf)
-    return best, margin, rival.mean_distortion if rival else np.inf, unhinted if problem.known else np.inf
+    decision = Decision(
+        **_found(best),
+        margin=margin,
+        runner_up=rival.mean_distortion if rival else np.inf,
+        unhinted=min((ratio * best.penalty / c.penalty for ratio, c in rivals if problem.known), default=np.inf),
+        contrary=min((ratio for ratio, c in rivals if _agrees_better(problem, c, best)), default=np.inf),
+    )
+    return best, decision
+
+
+def _agrees_better(problem: MatchProblem, rival: Contender, best: Contender) -> bool:
+    """Whether what bulges and what is hollow agrees clearly better along a rival."""
+    return 1 - rival.curvature_agreement < problem.parameters.contrary_relief * (1 - best.curvature_agreement)
 
 
 def _doubtful(
@@ -188,11 +201,16 @@ def _with_parts_turned(problem: MatchProblem, best: Contender) -> Contender:
     return best
 
 
-def _decided(best: Contender, margin: float, runner_up: float, unhinted: float) -> Decision:
-    return Decision(
-        best.dense, best.hks_agreement, best.curvature_agreement, best.mean_distortion, margin, runner_up,
-        best.end_cost, best.end_cost / best.penalty, unhinted,
-    )  # fmt: skip
+def _found(best: Contender) -> dict[str, Any]:
+    """What a decision says of the contender that was chosen."""
+    return {
+        "dense": best.dense,
+        "hks_agreement": best.hks_agreement,
+        "curvature_agreement": best.curvature_agreement,
+        "mean_distortion": best.mean_distortion,
+        "cost": best.end_cost,
+        "unhinted_cost": best.end_cost / best.penalty,
+    }
 
 
 def _differ(problem: MatchProblem, one: Candidate, other: Candidate) -> bool:
