@@ -215,7 +215,9 @@ def described(problem: MatchProblem, choice: Found, dense: DenseMap, mirror: Mir
     turned = orientation(x.oriented, y.oriented, p2p)
     coarse = y.vertex_of_full[p2p[x.full_vertices]]
     alike = hks_agreement(problem, coarse)
-    confident, explanation = verdict(problem.parameters, score, turned, alike, decision.margin, decision.contrary)
+    confident, explanation = verdict(
+        problem.parameters, score, turned, alike, decision.margin, decision.contrary, x.full.genus != y.full.genus
+    )
     confident, explanation = with_hand(problem, choice, mirror, confident, explanation)
     confident, explanation = with_hints(problem, coarse, decision.unhinted, confident, explanation)
     confident, explanation = with_sides({"X": x.winding, "Y": y.winding}, confident, explanation)

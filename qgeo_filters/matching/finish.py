@@ -2,23 +2,53 @@
 
 from __future__ import annotations
 
+from qgeo_filters._typing import IndexArray
+from qgeo_filters.closest_points import closest_facing_points
 from qgeo_filters.matching.maps.resolutions import CarriedMap, carried
-from qgeo_filters.matching.problem import MatchProblem
+from qgeo_filters.matching.problem import FinePair, MatchProblem
 from qgeo_filters.matching.schedule import Schedule
 from qgeo_filters.matching.smooth_shells import DenseMap, register
 
 
 def finished(problem: MatchProblem, coarse: DenseMap) -> DenseMap:
-    """The map registered to the end, between the vertices of the fine levels."""
+    """The map registered to the end, between the vertices of the fine levels.
+
+    X is deformed onto Y; but where X has handles that Y lacks, places where it has grown together, Y onto X: arms can
+    be laid on a body, but not be torn from one without tearing all that is near.
+    """
     # What the map contradicts must not bend it any more.
     agreed = problem.with_known(problem.known and problem.known.agreeing(coarse.p2p))
-    x, y, fine = problem.x, problem.y, agreed.fine
+    if not _has_more_handles(problem):
+        return _registered(agreed, coarse)
+    back = agreed.swapped()
+    try:
+        again = register(back, coarse.inverse, Schedule.of(back, problem.parameters.coarse_to_fine))
+    finally:
+        back.x.arap.release()
+    return _turned_round(agreed.fine, _registered(back, again))
+
+
+def _has_more_handles(problem: MatchProblem) -> bool:
+    one, other = problem.x.full.genus, problem.y.full.genus
+    return one is not None and other is not None and one > other
+
+
+def _registered(problem: MatchProblem, coarse: DenseMap) -> DenseMap:
+    x, y, fine = problem.x, problem.y, problem.fine
     same = fine.x is x and fine.y is y
-    start = coarse.p2p if same else carried(coarse.positions, x.proxy, y, y.fine_proxy.surface).p2p
+    start: IndexArray = coarse.p2p if same else carried(coarse.positions, x.proxy, y, y.fine_proxy.surface).p2p
     try:
         return register(fine, start, Schedule.of(fine, problem.parameters.final))
     finally:
         fine.x.arap.release()  # 30 kB a vertex, and no match of the same X is quicker for them
+
+
+def _turned_round(pair: FinePair, back: DenseMap) -> DenseMap:
+    """The map from X to Y of one from Y to X, X where it lies on the deformed Y."""
+    x, y = pair.x.unit, pair.y.unit
+    faces, coordinates = closest_facing_points(x.vertices, x.vertex_normals, y.with_vertices(back.positions))
+    positions = (y.vertices[y.faces[faces]] * coordinates[:, :, None]).sum(axis=1)
+    return DenseMap(back.inverse, back.p2p, positions, back.embedding_y, back.embedding_x)
 
 
 def at_full_resolution(problem: MatchProblem, dense: DenseMap) -> CarriedMap:

@@ -102,6 +102,10 @@ class KnownParts:
             to_y=self.to_y[kept],
         )
 
+    def swapped(self) -> KnownParts:
+        """The same parts, of Y and X."""
+        return replace(self, landmarks=self.landmarks[:, ::-1], to_x=self.to_y, to_y=self.to_x)
+
     @cached_property
     def profiles(self) -> tuple[SingleArray, SingleArray]:
         """Distances (n_x, k + l) and (n_y, k + l) from all parts, saturated: far away they tell nothing.

@@ -325,6 +325,9 @@ class MatchingParameters:
     #: Agreement of heat kernels: poses of TOSCA have .96 to 1, right maps of animals of different species .88 and more,
     #: different creatures .57 to .67.
     match_alike: float = 0.87
+    #: The same where one shape has handles that the other lacks: heat flows where surfaces have grown together (right
+    #: maps of two children with a hand on the body .85, wrong ones .68 and less).
+    grown_alike: float = 0.8
     #: A finished map whose orientation is below this did not settle on one side (tuning).
     settled_orientation: float = 0.3
     #: Ratio of areas up to which shapes count as of one size, for ``normalize=False``.

@@ -119,6 +119,10 @@ class MatchProblem:
         """The problem of X and the mirror image of Y: maps that reverse the orientation keep it there."""
         return replace(self, y=self.y.mirrored).with_known(self.known)  # intrinsically the same
 
+    def swapped(self) -> MatchProblem:
+        """The problem of maps from Y to X."""
+        return replace(self, x=self.y, y=self.x).with_known(self.known and self.known.swapped())
+
     def with_known(self, known: KnownParts | None) -> MatchProblem:
         """The same problem, but for what is known."""
         other = replace(self)

@@ -14,7 +14,13 @@ from qgeo_filters.repair.winding import Winding
 
 
 def verdict(
-    given: MatchingParameters, score: float, turned: float, alike: float, margin: float, contrary: float = np.inf
+    given: MatchingParameters,
+    score: float,
+    turned: float,
+    alike: float,
+    margin: float,
+    contrary: float = np.inf,
+    grown: bool = False,
 ) -> tuple[bool, str]:
     """Whether a map is sure, and why.
 
@@ -28,12 +34,14 @@ def verdict(
         Agreement of heat kernels.
     margin, contrary : float
         See `Decision`.
+    grown : bool
+        Whether one shape has handles that the other lacks.
     """
     if score > given.near_isometric:
         return False, f"distances differ by {score:.3f} sqrt(area) in the mean: the shapes are not near-isometric"
     if abs(turned) < given.settled_orientation:
         return False, f"the map turns much of the surface over (orientation {turned:.2f}): parts may be mirrored"
-    if alike < given.match_alike:
+    if alike < (given.grown_alike if grown else given.match_alike):
         return False, (
             f"distances are kept to {score:.3f} sqrt(area) in the mean, but the map relates parts of different shape "
             f"(their heat kernels agree by {alike:.2f} only)"

@@ -42,3 +42,9 @@ def test_any_doubt_is_said(worse: dict[str, float], said: str) -> None:
 def test_a_map_of_better_relief_must_cost_clearly_more() -> None:
     assert verdict(GIVEN, **CLEAR | {"contrary": 2.1})[0]
     assert verdict(replace(GIVEN, contrary_margin=1.3), **CLEAR | {"margin": 1.44, "contrary": 1.44})[0]
+
+
+def test_surfaces_that_have_grown_together_may_be_less_alike() -> None:
+    assert not verdict(GIVEN, **CLEAR | {"alike": 0.84})[0]
+    assert verdict(GIVEN, **CLEAR | {"alike": 0.84}, grown=True)[0]
+    assert not verdict(GIVEN, **CLEAR | {"alike": 0.75}, grown=True)[0]

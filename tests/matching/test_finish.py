@@ -1,0 +1,72 @@
+"""Which of two shapes is deformed at the end: the one that has not grown together with itself."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+import pytest
+from shapes import bent, limbed
+
+import qgeo_filters as qg
+from qgeo_filters.evaluation import geodesic_error
+from qgeo_filters.matching import finish
+from qgeo_filters.matching.problem import MatchProblem
+from qgeo_filters.matching.smooth_shells import DenseMap
+from qgeo_filters.surface import Surface
+
+LIMBS = ((0.7, 0.6, -0.4), (-0.5, 0.8, -0.4), (0, -1, 0.3), (0, 0.6, 0.8))
+
+
+@functools.cache
+def body() -> Surface:
+    return Surface(*limbed(LIMBS, (1.2, 0.9, 0.7, 0.4), 3))
+
+
+@functools.cache
+def grown() -> Surface:
+    """Another pose, in which the ends of two limbs have grown together: a tube joins a triangle of each."""
+    vertices, faces = bent(body().vertices, 0.2), body().faces
+    centres = vertices[faces].mean(axis=1)
+    one, other = (int((centres @ np.array(limb)).argmax()) for limb in LIMBS[:2])
+    a = faces[one]
+    b = faces[other][::-1]
+    b = min((np.roll(b, k) for k in range(3)), key=lambda turned: np.linalg.norm(vertices[a] - vertices[turned]))
+    tube = [f for k in range(3) for f in ((a[k], a[k - 2], b[k]), (a[k - 2], b[k - 2], b[k]))]
+    return Surface(vertices, np.concatenate([np.delete(faces, [one, other], axis=0), tube]))
+
+
+def test_a_shape_with_a_handle_more_is_matched_as_well_from_either_side() -> None:
+    assert (body().genus, grown().genus) == (0, 1)
+    assert grown().is_oriented
+    truth = np.arange(body().n_vertices)
+    found = qg.match(grown(), body())
+    assert geodesic_error(found.p2p, truth, body()).mean() < 0.02
+    assert geodesic_error(found.inverse, truth, grown()).mean() < 0.02
+    edge = body().edge_lengths.mean()
+    assert np.linalg.norm(found.positions - body().vertices[found.p2p], axis=1).max() < 3 * edge
+
+
+@pytest.mark.parametrize("with_handle", [True, False])
+def test_the_shape_with_fewer_handles_is_deformed(with_handle: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    pairs = []
+    register = finish.register
+    monkeypatch.setattr(finish, "register", lambda pair, *given: pairs.append(pair) or register(pair, *given))
+    x, y = (grown(), body()) if with_handle else (body(), grown())
+    qg.match(x, y)
+    genera = [(pair.x.unit.genus, pair.y.unit.genus) for pair in pairs]
+    between = [g for g in genera if g[0] != g[1]]  # the others are self-symmetries
+    assert between == [(0, 1)] * (2 if with_handle else 1)
+
+
+def test_turning_a_map_round_exchanges_its_sides() -> None:
+    """Of a map from Y to X that lays each vertex on its partner, X lies on the undeformed Y."""
+    pair = MatchProblem.of(body(), Surface(bent(body().vertices, 0.2), body().faces)).fine
+    n = body().n_vertices
+    forth, back = np.arange(n), np.arange(n)[::-1].copy()
+    rows = np.zeros((n, 2), np.float32), np.ones((n, 2), np.float32)
+    turned = finish._turned_round(pair, DenseMap(forth, back, pair.x.unit.vertices, *rows))
+    np.testing.assert_array_equal(turned.p2p, back)
+    np.testing.assert_array_equal(turned.inverse, forth)
+    np.testing.assert_allclose(turned.positions, pair.y.unit.vertices, atol=1e-9)
+    assert turned.embedding_x is rows[1]
