@@ -80,7 +80,8 @@ sphinx_gallery_conf = {
     "plot_gallery": "True",
     "doc_module": ("qgeo_filters", "qgeo_widgets"),
     "backreferences_dir": None,
-    "min_reported_time": 20,  # seconds: what an example should stay below
+    "reset_modules": ("matplotlib", "gallery_seconds.watch"),
+    "reset_modules_order": "both",
 }
 
 

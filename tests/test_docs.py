@@ -142,6 +142,35 @@ def test_examples_begin_with_a_title_and_take_no_helper_of_ours(path: Path) -> N
     assert "QGEO_DATA" not in source
 
 
+def test_an_example_that_takes_too_long_fails_the_build(tmp_path: Path) -> None:
+    """A gallery of two examples with the settings of ours, and a bound that one of them is above."""
+    pytest.importorskip("sphinx_gallery", reason="the extra docs is not installed")
+    settings = (
+        "import runpy, sys\n"
+        f"ours = runpy.run_path({str(DOCS / 'conf.py')!r})['sphinx_gallery_conf']\n"
+        "import gallery_seconds\n"
+        "gallery_seconds.MOST_SECONDS = 2\n"
+        "extensions = ['sphinx_gallery.gen_gallery']\n"
+        "kept = {name: ours[name] for name in ('reset_modules', 'reset_modules_order', 'filename_pattern')}\n"
+        "sphinx_gallery_conf = {'examples_dirs': 'examples', 'gallery_dirs': 'gallery', **kept}\n"
+    )
+    busy = "import time\nend = time.process_time() + 2.2\nwhile time.process_time() < end:\n    pass\n"
+    files = {
+        "conf.py": settings,
+        "index.rst": "Title\n=====\n\n.. toctree::\n\n   gallery/index\n",
+        "examples/GALLERY_HEADER.rst": "Gallery\n=======\n",
+        "examples/plot_quick.py": '"""\nQuick\n=====\n\n"""\n1 + 1\n',
+        "examples/plot_slow.py": '"""\nSlow\n====\n\n"""\n' + busy,
+    }
+    for name, content in files.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(content, encoding="utf-8")
+    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "dummy"]
+    built = subprocess.run([*command, tmp_path, tmp_path / "_build"], capture_output=True, text=True)
+    assert built.returncode == 1
+    assert re.findall(r"WARNING: (\S+) takes \d+ processor seconds", built.stderr) == ["plot_slow.py"], built.stderr
+
+
 def test_there_are_fifteen_examples_at_least() -> None:
     assert len(EXAMPLES) >= 15
 

@@ -16,7 +16,7 @@ from qgeo_filters.report.figures import plot_correspondence
 
 def star(turn=0.0, arms=5):
     """A round body with equal arms in a plane and a hump above; ``turn`` moves the triangles, and not the shape."""
-    ball = trimesh.creation.icosphere(3)
+    ball = trimesh.creation.icosphere(2)
     points = ball.vertices @ Rotation.from_euler("xyz", [turn, turn, turn]).as_matrix()
     directions = [(np.cos(angle), np.sin(angle), 0.0) for angle in 2 * np.pi * np.arange(arms) / arms]
     radius = np.full(len(points), 0.6)
@@ -37,8 +37,8 @@ def arms_reached(found):
 
 
 # %%
-# Without a hint one of the five comes out, that which the triangles make a little cheaper. Here that is even enough to
-# call it sure: ``confident`` knows how much the next map costs, and not what you mean.
+# Without a hint one of the five comes out, that which the triangles make a little cheaper, and it is not called sure.
+# With finer triangles it may be: ``confident`` knows how much the next map costs, and not what you mean.
 shapes = qg.PreparedShape(x), qg.PreparedShape(y)  # matched twice: what belongs to one shape is computed once
 alone = qg.match(*shapes)
 print(arms_reached(alone), alone.confident, alone.explanation)
