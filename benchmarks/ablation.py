@@ -18,7 +18,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
-from geodesics_common import machine
+from record import machine
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import ToscaRemeshed, VtsDataset, geodesic_error

@@ -18,7 +18,7 @@ import time
 from pathlib import Path
 
 import pandas as pd
-from geodesics_common import machine
+from record import machine
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import ToscaRemeshed

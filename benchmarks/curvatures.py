@@ -1,6 +1,8 @@
 """Principal curvatures against formulas, beside libigl, trimesh, PyVista and PyMeshLab; then on TOSCA.
 
-    python benchmarks/curvatures.py [--data ROOT] > table.md    # ROOT: TOSCA's remeshed, full and ground_truth
+    python benchmarks/curvatures.py [--data ROOT] [--json results/curvatures.json]
+
+ROOT holds TOSCA's remeshed, full and ground_truth.
 
 A cell is the root mean square error of (k1, k2) over the root mean square curvature, in %, at about 642, 2562 and 10242
 vertices, those at a boundary left out. Peers whose sign is the other way are turned; trimesh, which needs rtree here,
@@ -12,7 +14,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import igl
@@ -20,6 +22,7 @@ import numpy as np
 import pymeshlab
 import pyvista
 import trimesh
+from record import Record, recorded
 from scipy.spatial import ConvexHull
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
@@ -165,12 +168,11 @@ def error(found: Curvatures, truth: Curvatures, inner: np.ndarray) -> float:
     return float(100 * min(np.sqrt(np.nanmean(e**2)) for e in errors) / size)
 
 
-def analytic(jitter: float, noise: float) -> Iterator[str]:
-    """The lines of a table."""
+def analytic(record: Record, title: str, jitter: float, noise: float) -> None:
+    """A table of shapes whose curvatures are known."""
     makes = (sphere, torus, ellipsoid, cylinder)
     samples = [[make(level, jitter) for level in (3, 4, 5)] for make in makes]
-    yield f"| method | {' | '.join(row[0][0] for row in samples)} |"
-    yield "|---|" + "---|" * len(samples)
+    table = record.table(title, "method", *(row[0][0] for row in samples))
     for name, method in METHODS.items():
         cells = []
         for row in samples:
@@ -180,13 +182,12 @@ def analytic(jitter: float, noise: float) -> Iterator[str]:
                 inner[surface.boundary_vertices] = False
                 errors.append(error(method(noisy(surface, noise) if noise else surface), truth, inner))
             cells.append(" / ".join(f"{e:.2g}" if e < 10 else f"{e:.0f}" for e in errors))
-        yield f"| {name} | {' | '.join(cells)} |"
+        table.row(name, *cells)
 
 
-def scanned(root: Path) -> Iterator[str]:
-    """The lines of TOSCA's table: low resolution against high, without and with noise."""
-    yield f"| method | {' | '.join(f'{pose}, noise 0 / 2 / 10 %' for pose in POSES)} |"
-    yield "|---|" + "---|" * len(POSES)
+def scanned(record: Record, root: Path) -> None:
+    """TOSCA's table: low resolution against high, without and with noise."""
+    table = record.table("TOSCA", "method", *(f"{pose}, noise 0 / 2 / 10 %" for pose in POSES))
     pairs = []
     for pose in POSES:
         coarse, fine = (Surface.read(root / folder / f"{pose}.off") for folder in ("remeshed", "full"))
@@ -205,28 +206,25 @@ def scanned(root: Path) -> Iterator[str]:
                 ]
                 numbers.append(f"{100 * np.mean(errors):.0f}")
             cells.append(" / ".join(numbers))
-        yield f"| {name} | {' | '.join(cells)} |"
+        table.row(name, *cells)
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--data", type=Path, help="TOSCA's folder")
-    options = parser.parse_args()
+    options = parser.parse_args(record.arguments)
     for title, jitter, noise in (
         ("regular", 0.0, 0.0),
         ("irregular", JITTER, 0.0),
         ("irregular, noise of 1 % of an edge", JITTER, 0.01),
         ("irregular, noise of 5 % of an edge", JITTER, 0.05),
     ):
-        print(f"\n**{title}**\n")
-        for line in analytic(jitter, noise):
-            print(line, flush=True)
+        analytic(record, title, jitter, noise)
     if options.data:
-        print("\n**TOSCA**\n")
-        for line in scanned(options.data):
-            print(line, flush=True)
+        scanned(record, options.data)
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

@@ -1,6 +1,6 @@
 """Proxies of 2500 vertices, by `qgeo_filters.decimation` and by other libraries: time, topology, shape, geodesics.
 
-    python benchmarks/decimation.py [--vertices 2500] FILE [FILE ...] [--subdivided FILE ...]
+    python benchmarks/decimation.py [--vertices 2500] FILE [FILE ...] [--subdivided FILE ...] [--json FILE]
 
 Each file is repaired first; those after --subdivided are subdivided twice by Loop's rule. Libraries that are not
 installed are left out with a line that says so. A Markdown table is printed for each mesh:
@@ -22,6 +22,7 @@ from typing import Any
 
 import igl
 import numpy as np
+from record import Record, recorded
 
 import qgeo_filters as qg
 from qgeo_filters.barycentric import nearest_in_triangles
@@ -30,7 +31,8 @@ from qgeo_filters.decimation import decimated
 Arrays = tuple[np.ndarray, np.ndarray]
 SOURCES, TARGETS = 10, 300
 LARGEST_WITH_GEODESICS = 100_000
-HEAD = "| by | CPU s | vertices | topology | gap: max | mean | quality: 1% | mean | edges' spread | geodesics |"
+TRIANGLES = ("quality: 1%", "mean", "edges' spread")
+COLUMNS = ("by", "CPU s", "vertices", "topology", "gap: max", "mean", *TRIANGLES, "geodesics")
 
 
 def by_qgeo(surface: qg.Surface, n: int) -> Arrays:
@@ -169,13 +171,13 @@ class Distances:
         return corners, nearest_in_triangles(points, coarse.vertices[corners])[0]
 
 
-def row(surface: qg.Surface, name: str, n: int, distances: Distances | None) -> str:
-    """One row of the table."""
+def row(surface: qg.Surface, name: str, n: int, distances: Distances | None) -> list[object]:
+    """Cells of one row of the table."""
     start = time.process_time()
     vertices, faces = METHODS[name](surface, n)
     seconds = time.process_time() - start
     if not len(faces):
-        return f"| {name} | {seconds:.2f} | | nothing is left |"
+        return [name, f"{seconds:.2f}", "", "nothing is left", *[""] * 6]
     coarse = qg.Surface(vertices, faces)
     squared, _, _ = igl.point_mesh_squared_distance(surface.vertices, coarse.vertices, coarse.faces.astype(np.int64))
     gap = np.sqrt(squared)
@@ -187,31 +189,32 @@ def row(surface: qg.Surface, name: str, n: int, distances: Distances | None) -> 
     spread = coarse.edge_lengths.std() / coarse.edge_lengths.mean()
     numbers: list[Any] = [f"{gap.max():.4f}", f"{gap.mean():.5f}", f"{np.quantile(quality, 0.01):.2f}"]
     numbers += [f"{quality.mean():.2f}", f"{spread:.2f}", geodesics]
-    return f"| {name} | {seconds:.2f} | {coarse.n_vertices} | {topology} | " + " | ".join(numbers) + " |"
+    return [name, f"{seconds:.2f}", coarse.n_vertices, topology, *numbers]
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("files", nargs="*", type=Path)
     parser.add_argument("--subdivided", nargs="*", type=Path, default=[])
     parser.add_argument("--vertices", type=int, default=2500)
     parser.add_argument("--by", nargs="+", default=list(METHODS), choices=list(METHODS))
-    asked = parser.parse_args()
+    asked = parser.parse_args(record.arguments)
     decimated(qg.Surface(*igl.icosahedron()), 8)  # compiles
-    for file in [*asked.files, *asked.subdivided]:
+    for file, finer in [*((file, False) for file in asked.files), *((file, True) for file in asked.subdivided)]:
         surface = of_unit_area(qg.Surface.read(file, repair="force"))
-        if file in asked.subdivided:
+        if finer:
             surface = of_unit_area(subdivided(surface))
-        print(f"\n{file.stem}, {surface.n_vertices} vertices{', subdivided' if file in asked.subdivided else ''}:\n")
-        print(f"{HEAD}\n|{'---|' * (HEAD.count('|') - 1)}", flush=True)
+        kind = ", subdivided" if finer else ""
+        table = record.table(f"{file.stem}, {surface.n_vertices} vertices{kind}", *COLUMNS)
         distances = Distances(surface) if surface.n_vertices <= LARGEST_WITH_GEODESICS else None
         for name in asked.by:
             try:
-                print(row(surface, name, asked.vertices, distances), flush=True)
+                table.row(*row(surface, name, asked.vertices, distances))
             except ImportError as error:
-                print(f"| {name} | | | left out: {error} |", flush=True)
+                table.row(name, "", "", f"left out: {error}", *[""] * 6)
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

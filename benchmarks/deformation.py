@@ -18,7 +18,7 @@ from pathlib import Path
 
 import igl
 import numpy as np
-from geodesics_common import machine
+from record import machine
 
 import qgeo_filters as qg
 from qgeo_filters.animation.measures import edge_changes, folded_edges

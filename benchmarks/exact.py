@@ -1,6 +1,6 @@
 """Exact distances beside pygeodesic and libigl: CPU ms a source, and how far the values differ.
 
-    python benchmarks/exact.py [sources]
+    python benchmarks/exact.py [sources] [--json results/exact.json]
 
 QGEO_DATA names the folder of the evaluation data; without it the TOSCA rows are left out.
 """
@@ -8,7 +8,6 @@ QGEO_DATA names the folder of the evaluation data; without it the TOSCA rows are
 from __future__ import annotations
 
 import os
-import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -16,6 +15,7 @@ from pathlib import Path
 import igl
 import numpy as np
 import pygeodesic.geodesic as pygeodesic
+from record import Record, recorded
 from scipy.spatial import ConvexHull, Delaunay
 
 from qgeo_filters import Surface
@@ -52,10 +52,10 @@ def timed(rows: Callable[[], np.ndarray]) -> tuple[np.ndarray, float]:
     return result, time.process_time() - start
 
 
-def main(n_sources: int = 20) -> None:
+def main(record: Record, n_sources: int = 20) -> None:
     """Print the table."""
-    print("| mesh | vertices | ours, ms | pygeodesic, ms | ratio | libigl, ms | difference to pygeodesic / libigl |")
-    print("|---|---|---|---|---|---|---|")
+    speeds = ("ours, ms", "pygeodesic, ms", "ratio", "libigl, ms")
+    table = record.table("", "mesh", "vertices", *speeds, "difference to pygeodesic / libigl")
     none = np.array([], dtype=np.int64)
     for name, surface in meshes():
         n = surface.n_vertices
@@ -71,11 +71,10 @@ def main(n_sources: int = 20) -> None:
             lambda: igl.exact_geodesic(surface.vertices, faces, few, none, every, none)[None]  # noqa: B023
         )
         differences = [np.abs(d - ours[: len(d)]).max() / ours.max() for d in (theirs, libigl)]
-        print(
-            f"| {name} | {n} | {1e3 * t / n_sources:.1f} | {1e3 * t_py / n_sources:.0f} | {t_py / t:.1f} | "
-            f"{1e3 * t_igl:.0f} | {differences[0]:.0e} / {differences[1]:.0e} |"
-        )
+        times = (f"{1e3 * t / n_sources:.1f}", f"{1e3 * t_py / n_sources:.0f}", f"{t_py / t:.1f}", f"{1e3 * t_igl:.0f}")
+        table.row(name, n, *times, f"{differences[0]:.0e} / {differences[1]:.0e}")
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    with recorded() as record:
+        main(record, *map(int, record.arguments))

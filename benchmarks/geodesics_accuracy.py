@@ -1,11 +1,12 @@
 """Accuracy against time: the graph method at several bounds among its peers, as a table and a plot.
 
-python benchmarks/geodesics_accuracy.py [3400] > table.md      (writes geodesics_accuracy.svg beside it)
+    python benchmarks/geodesics_accuracy.py [3400] [--json results/geodesics_accuracy.json]
+
+Writes geodesics_accuracy.svg beside it.
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -15,11 +16,12 @@ import matplotlib
 matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from geodesics_common import blob, cpu, exact_rows, machine, peers, percent, relative_error
+from geodesics_common import blob, cpu, exact_rows, peers, percent, relative_error
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
+from record import Record, recorded
 
 from qgeo_filters.compilation import warmup
 from qgeo_filters.geodesics.matrix import distance_matrix
@@ -28,24 +30,22 @@ from qgeo_filters.surface import Surface
 Peer = tuple[str, float, float]  # name, CPU ms a source, mean error in per cent
 
 
-def main(n: int) -> None:
+def main(record: Record) -> None:
     """Print the table, draw the plot."""
+    n = int(record.arguments[0]) if record.arguments else 3400
     warmup()
     mesh = blob(n)
     sources = np.random.default_rng(0).integers(0, n, 10)
     exact, slow = exact_rows(mesh, sources)
-    print(f"Machine: {machine()}\n\nClosed irregular mesh of {n} vertices.\n")
-    print("| accuracy (the bound), % | CPU ms a source | mean error, % | max error, % |\n|---|---|---|---|")
+    columns = ("accuracy (the bound), %", "CPU ms a source", "mean error, %", "max error, %")
+    table = record.table(f"closed irregular mesh of {n} vertices", *columns)
     ours = []
     for accuracy in (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5):
         surface = Surface(*mesh)
         matrix, seconds = cpu(lambda s=surface, a=accuracy: distance_matrix(s, accuracy=a))
         error = relative_error(matrix[sources].astype(float), exact)  # type: ignore[index]
         ours.append((1e3 * seconds / n, 100 * error.mean(), 100 * error.max()))
-        print(
-            f"| {percent(accuracy)} | {ours[-1][0]:.3g} | {percent(error.mean())} | {percent(error.max())} |",
-            flush=True,
-        )
+        table.row(percent(accuracy), f"{ours[-1][0]:.3g}", percent(error.mean()), percent(error.max()))
     others: list[Peer] = [("pygeodesic (exact)", 1e3 * slow, 0.0)]
     for name, rows, seconds in peers(mesh, sources):
         others.append((name, 1e3 * seconds, 100 * float(np.abs(relative_error(rows, exact)).mean())))
@@ -99,4 +99,5 @@ def _label(axes: Axes, name: str, place: tuple[float, float], taken: Sequence[Bb
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 3400)
+    with recorded() as record:
+        main(record)

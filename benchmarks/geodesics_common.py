@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import platform
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -20,17 +19,6 @@ from qgeo_filters.geodesics.mmp.exact import exact_distances
 from qgeo_filters.surface import Surface
 
 Mesh = tuple[np.ndarray, np.ndarray]
-
-
-def machine() -> str:
-    """CPU model and number of cores, as the README names them."""
-    model = platform.processor() or platform.machine()
-    info = Path("/proc/cpuinfo")
-    if info.exists():
-        model = next(
-            (x.split(":")[1].strip() for x in info.read_text().splitlines() if x.startswith("model name")), model
-        )
-    return f"{model}, {os.cpu_count()} cores, Python {platform.python_version()}, NumPy {np.__version__}"
 
 
 def cpu(call: Callable[[], object]) -> tuple[object, float]:

@@ -1,6 +1,6 @@
 """Convergence to the smooth surface: sphere, cone, cylinder, plane, the largest relative error of one row at each size.
 
-    python benchmarks/geodesics_convergence.py > table.md
+    python benchmarks/geodesics_convergence.py [--json results/geodesics_convergence.json]
 
 On the sphere the mesh converges with the square of the edge length; plane, cylinder and cone unroll, and what is
 left is the bound of the graph.
@@ -17,6 +17,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 import shapes
 from geodesics_common import percent
+from record import Record, recorded
 
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.surface import Surface
@@ -57,10 +58,10 @@ def cone() -> Iterator[tuple[Surface, np.ndarray]]:
         yield Surface(vertices[order], np.argsort(order)[faces]), apart[order]
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print the table."""
-    print("| surface | n | accuracy 1e-3: max error, % | accuracy 1e-5: max error, % | order in h at 1e-5 |")
-    print("|---|---|---|---|---|")
+    errors_at = [f"accuracy {accuracy}: max error, %" for accuracy in ("1e-3", "1e-5")]
+    table = record.table("", "surface", "n", *errors_at, "order in h at 1e-5")
     for make in (sphere, cone, cylinder, plane):
         before = None
         for surface, truth in make():
@@ -70,10 +71,10 @@ def main() -> None:
                 errors.append(np.abs(row - truth)[truth > 0] / truth[truth > 0])
             largest = errors[1].max()
             order = "" if before is None else f"{np.log2(before / largest):.1f}"
-            shown = f"{percent(errors[0].max())} | {percent(largest)} | {order}"
-            print(f"| {make.__name__} | {surface.n_vertices} | {shown} |", flush=True)
+            table.row(make.__name__, surface.n_vertices, percent(errors[0].max()), percent(largest), order)
             before = largest
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

@@ -1,6 +1,6 @@
 """Growth of the whole matrix with n: CPU and wall time on one and two threads, memory beside the matrix.
 
-    python benchmarks/geodesics_growth.py [1700 3400 6800 10000] > table.md
+    python benchmarks/geodesics_growth.py [1700 3400 6800 10000] [--json results/geodesics_growth.json]
 
 Each row is a process of its own, so that its peak of memory is its own.
 """
@@ -15,7 +15,8 @@ import threading
 import time
 
 import numpy as np
-from geodesics_common import blob, machine
+from geodesics_common import blob
+from record import Record, recorded
 
 from qgeo_filters.compilation import warmup
 from qgeo_filters.geodesics.matrix import distance_matrix
@@ -58,11 +59,11 @@ def _resident() -> int:
         return int(file.read().split()[1]) * resource.getpagesize()
 
 
-def main(sizes: list[int]) -> None:
+def main(record: Record) -> None:
     """Print the table and the fitted exponents."""
-    print(f"Machine: {machine()}\n")
-    print("| n | CPU s, 1 thread | CPU ms a source | wall s, 1 thread | wall s, 2 threads | peak memory / matrix |")
-    print("|---|---|---|---|---|---|")
+    sizes = [int(x) for x in record.arguments] or [1700, 3400, 6800, 10000]
+    walls = [f"wall s, {threads}" for threads in ("1 thread", "2 threads")]
+    table = record.table("", "n", "CPU s, 1 thread", "CPU ms a source", *walls, "peak memory / matrix")
     times = []
     for n in sizes:
         one, two = (
@@ -74,14 +75,14 @@ def main(sizes: list[int]) -> None:
             for w in (1, 2)
         )
         times.append(one["cpu"])
-        each = f"{1e3 * one['cpu'] / n:.3f} | {one['wall']:.2f} | {two['wall']:.2f} | {two['memory']:.2f}"
-        print(f"| {n} | {one['cpu']:.2f} | {each} |", flush=True)
-    slope = np.polyfit(np.log(sizes), np.log(times), 1)[0]
-    print(f"\nCPU time grows as n^{slope:.2f}.")
+        seconds = (f"{one['cpu']:.2f}", f"{1e3 * one['cpu'] / n:.3f}", f"{one['wall']:.2f}", f"{two['wall']:.2f}")
+        table.row(n, *seconds, f"{two['memory']:.2f}")
+    record.note(f"CPU time grows as n^{np.polyfit(np.log(sizes), np.log(times), 1)[0]:.2f}.")
 
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["one"]:
         print(json.dumps(measure(int(sys.argv[2]), int(sys.argv[3]))))
     else:
-        main([int(x) for x in sys.argv[1:]] or [1700, 3400, 6800, 10000])
+        with recorded() as record:
+            main(record)

@@ -1,6 +1,6 @@
 """Errors of the map-free correspondence on independently triangulated poses of TOSCA, as a Markdown table.
 
-    python benchmarks/matching.py ROOT --categories cat dog centaur --pairs 6 --store DIR
+    python benchmarks/matching.py ROOT --categories cat dog centaur --pairs 6 --store DIR [--json FILE]
 
 ROOT holds ``remeshed``, ``ground_truth`` and ``symmetry`` (see `ToscaRemeshed`). With ``--pairs`` a random subset of
 each category, the same in each run, is measured; all pairs without. With ``--store`` finished pairs are kept there,
@@ -13,6 +13,7 @@ import argparse
 from pathlib import Path
 
 import numpy as np
+from record import Record, recorded
 
 from qgeo_filters.evaluation import ToscaRemeshed, markdown, rows_by_category
 from qgeo_filters.evaluation.runner import PairFailure, PairStore, by_target, measured
@@ -21,14 +22,14 @@ TUNING = ("cat", "dog", "centaur")
 TEST = ("horse", "michael", "victoria", "wolf")
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print a row for each category and pool; each pair as it is done, as a comment."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root")
     parser.add_argument("--categories", nargs="+", default=[*TUNING, *TEST])
     parser.add_argument("--pairs", type=int, help="pairs of each category, drawn at random (seed 0); all by default")
     parser.add_argument("--store", type=Path, help="folder in which finished pairs are kept")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     data = ToscaRemeshed(arguments.root)
     store = PairStore(arguments.store) if arguments.store else None
     results = []
@@ -41,8 +42,9 @@ def main() -> None:
             results.append(result)
             sure = "" if result.confident else ", not confident"
             print(f"<!-- {result.name}: {result.errors.direct.mean():.4f}{sure} -->", flush=True)
-    print(markdown(rows_by_category(results, {"tuning": TUNING, "test": TEST})))
+    record.markdown("", markdown(rows_by_category(results, {"tuning": TUNING, "test": TEST})))
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

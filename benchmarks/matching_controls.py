@@ -13,7 +13,8 @@ import argparse
 from collections.abc import Callable, Iterator
 
 import numpy as np
-from geodesics_common import cpu, machine
+from geodesics_common import cpu
+from record import machine
 from scipy.spatial import ConvexHull, cKDTree
 from scipy.spatial.transform import Rotation
 

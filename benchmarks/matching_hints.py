@@ -18,7 +18,8 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from geodesics_common import cpu, machine
+from geodesics_common import cpu
+from record import machine
 from scipy.spatial import cKDTree
 
 import qgeo_filters as qg

@@ -14,7 +14,7 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from geodesics_common import machine
+from record import machine
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error

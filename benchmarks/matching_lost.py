@@ -14,7 +14,7 @@ from __future__ import annotations
 import argparse
 
 import numpy as np
-from geodesics_common import machine
+from record import machine
 from scipy.spatial import cKDTree
 
 from qgeo_filters.evaluation import VtsDataset

@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from geodesics_common import machine
+from record import machine
 from scipy.spatial import cKDTree
 
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error

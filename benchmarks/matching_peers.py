@@ -19,9 +19,10 @@ from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
-from geodesics_common import cpu, machine
+from geodesics_common import cpu
 from pyFM.functional import FunctionalMapping
 from pyFM.mesh import TriMesh
+from record import machine
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import PairResult, Row, ToscaRemeshed, symmetric_errors

@@ -14,8 +14,9 @@ import argparse
 from dataclasses import dataclass
 
 import numpy as np
-from geodesics_common import cpu, machine
+from geodesics_common import cpu
 from matching_changes import CHANGES, INVARIANT, Changed
+from record import machine
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import ErrorSummary, ToscaRemeshed, symmetric_errors

@@ -3,6 +3,8 @@
     pip install pyfmaps
     python benchmarks/matching_time.py ROOT --pairs dog0-dog3 victoria0-victoria7 michael0-michael3 [--busy 1]
 
+With ``--json FILE`` the table is kept there, too
+
 ROOT as for ``matching.py``. Everything counts: files are read, nothing is prepared; only the kernels are compiled
 before. Wall clock and CPU of all threads; the peer does what ``matching_peers.py`` says. Errors are direct, mean over
 the vertices of X, in units of sqrt(area of Y). With ``--busy`` so many processes that do nothing but count run beside.
@@ -20,8 +22,8 @@ from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
-from geodesics_common import machine
 from matching_peers import processed, pyfm_maps
+from record import Record, machine, recorded
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
@@ -61,19 +63,20 @@ def busy(count: int) -> Iterator[None]:
             other.kill()
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print a row for each pair, and the means."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root", type=Path)
     parser.add_argument("--pairs", nargs="+", default=_PAIRS, metavar="X-Y")
     parser.add_argument("--workers", type=int, help="threads of ours; all cores by default")
     parser.add_argument("--busy", type=int, default=0, help="processes that keep cores busy beside")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     data = ToscaRemeshed(arguments.root)
     qg.warmup()
-    print(f"{machine()}; {worker_count(arguments.workers)} threads of ours; {arguments.busy} busy processes beside\n")
-    print("| pair | vertices | `match`: wall / CPU s | error | pyFM: wall / CPU s | error | wall, pyFM : ours | CPU |")
-    print("|---|---:|---:|---:|---:|---:|---:|---:|")
+    print(machine())
+    record.note(f"{worker_count(arguments.workers)} threads of ours; {arguments.busy} busy processes beside.")
+    each = ("`match`: wall / CPU s", "error", "pyFM: wall / CPU s", "error", "wall, pyFM : ours", "CPU")
+    table = record.table("", "pair", "vertices", *each, align="lrrrrrrr")
     rows = []
     with busy(arguments.busy):
         for pair in arguments.pairs:
@@ -85,18 +88,19 @@ def main() -> None:
                 p2p, wall, cpu = timed(task)
                 row += [wall, cpu, float(geodesic_error(p2p[truth.points], truth.images, target).mean())]
             rows.append(row)
-            print(cells(pair, f"{data.read(one).n_vertices}, {target.n_vertices}", row), flush=True)
-    print(cells("mean", "", np.mean(rows, axis=0).tolist()))
+            table.row(*cells(pair, f"{data.read(one).n_vertices}, {target.n_vertices}", row))
+    table.row(*cells("mean", "", np.mean(rows, axis=0).tolist()))
 
 
-def cells(pair: str, vertices: str, row: list[float]) -> str:
+def cells(pair: str, vertices: str, row: list[float]) -> tuple[str, ...]:
     """One row of the table."""
     wall, cpu, error, their_wall, their_cpu, their_error = row
     return (
-        f"| {pair} | {vertices} | {wall:.1f} / {cpu:.1f} | {error:.4f} | {their_wall:.1f} / {their_cpu:.1f} | "
-        f"{their_error:.4f} | {their_wall / wall:.2f} | {their_cpu / cpu:.2f} |"
+        *(pair, vertices, f"{wall:.1f} / {cpu:.1f}", f"{error:.4f}", f"{their_wall:.1f} / {their_cpu:.1f}"),
+        *(f"{their_error:.4f}", f"{their_wall / wall:.2f}", f"{their_cpu / cpu:.2f}"),
     )
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

@@ -16,8 +16,9 @@ import itertools
 from pathlib import Path
 
 import numpy as np
-from geodesics_common import cpu, machine
+from geodesics_common import cpu
 from mesh_messes import MESSES, Messy
+from record import machine
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import ToscaRemeshed

@@ -1,6 +1,6 @@
 """Quasi-geodesic paths: how often the straightened path is the shortest, by how much the rest is longer, how fast.
 
-    python benchmarks/paths.py [pairs]
+    python benchmarks/paths.py [pairs] [--json results/paths.json]
 
 Beside potpourri3d's edge flips (Sharp and Crane 2020) and the exact distance. CPU time, one thread.
 QGEO_DATA names the folder of the evaluation data; without it the TOSCA rows are left out.
@@ -9,7 +9,6 @@ QGEO_DATA names the folder of the evaluation data; without it the TOSCA rows are
 from __future__ import annotations
 
 import os
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,6 +16,7 @@ from pathlib import Path
 import igl
 import numpy as np
 import potpourri3d
+from record import Record, recorded
 
 from qgeo_filters import Surface, lifted_metric
 from qgeo_filters.geodesics.metric import LiftedMetric, cartesian_metric
@@ -45,20 +45,20 @@ def exact_lengths(metric: LiftedMetric, pairs: np.ndarray) -> np.ndarray:
     return exact_distances(metric.intrinsic(), sources)[row, pairs[:, 1]]
 
 
-def line(mesh: str, method: str, lengths: np.ndarray, exact: np.ndarray, seconds: float) -> str:
+def cells(mesh: str, method: str, lengths: np.ndarray, exact: np.ndarray, seconds: float) -> tuple[str, ...]:
     """One row of the table."""
     excess = lengths / exact - 1
     longer = excess[excess > 1e-9]
     rest = f"{100 * longer.mean():.2g} / {100 * longer.max():.2g}" if longer.size else "-"
     share = 100 * np.mean(excess <= 1e-9)
     mean = f"{100 * excess.mean():.2g}" if longer.size else "0"
-    return f"| {mesh} | {method} | {share:.1f} | {rest} | {mean} | {len(exact) / seconds:.0f} |"
+    return mesh, method, f"{share:.1f}", rest, mean, f"{len(exact) / seconds:.0f}"
 
 
-def main(n_pairs: int = 2000) -> None:
+def main(record: Record, n_pairs: int = 2000) -> None:
     """Print the table."""
-    print("| mesh | path | the shortest, % of pairs | the rest longer by, mean / max % | all, mean % | paths a CPU s |")
-    print("|---|---|---|---|---|---|")
+    longer = ("the shortest, % of pairs", "the rest longer by, mean / max %", "all, mean %")
+    table = record.table("", "mesh", "path", *longer, "paths a CPU s")
     for name, surface, metric in meshes():
         pairs = np.random.default_rng(0).integers(0, surface.n_vertices, (n_pairs, 2))
         pairs = pairs[pairs[:, 0] != pairs[:, 1]]
@@ -73,18 +73,19 @@ def main(n_pairs: int = 2000) -> None:
             assert (lengths >= exact[:few] * (1 - 1e-9)).all()
             if initial == "edges":
                 first = np.array([path.lengths[0] for path in paths])
-                print(line(name, "along edges (Dijkstra), before", first, exact, seconds))
-                print(line(name, "along edges, straightened", lengths, exact, seconds))
+                table.row(*cells(name, "along edges (Dijkstra), before", first, exact, seconds))
+                table.row(*cells(name, "along edges, straightened", lengths, exact, seconds))
             else:
-                print(line(name, "down the exact distance, straightened", lengths, exact[:few], seconds))
+                table.row(*cells(name, "down the exact distance, straightened", lengths, exact[:few], seconds))
         if metric.curvature_weight == 0:
             solver = potpourri3d.EdgeFlipGeodesicSolver(surface.vertices, surface.faces)
             start = time.process_time()
             flips = [solver.find_geodesic_path(int(i), int(j)) for i, j in pairs]
             seconds = time.process_time() - start
             lengths = np.array([np.linalg.norm(np.diff(path, axis=0), axis=1).sum() for path in flips])
-            print(line(name, "potpourri3d, edge flips", lengths, exact, seconds))
+            table.row(*cells(name, "potpourri3d, edge flips", lengths, exact, seconds))
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    with recorded() as record:
+        main(record, *map(int, record.arguments))

@@ -1,6 +1,6 @@
 """Whether files are read alike: vertices, faces, area and volume by `qgeo_filters` and two other readers each.
 
-    python benchmarks/readers.py [FOLDER ...]
+    python benchmarks/readers.py [FOLDER ...] [--json results/readers.json]
 
 On the mesh files that install with PyMeshLab, PyVista and nibabel, on PyMeshLab's cow in every further format as other
 libraries write it, and on the mesh files of the folders given. Polygons are triangulated, nothing else is repaired.
@@ -11,7 +11,6 @@ from __future__ import annotations
 import contextlib
 import io
 import logging
-import sys
 import tempfile
 import warnings
 from collections.abc import Callable, Iterator
@@ -25,6 +24,7 @@ import open3d
 import pymeshlab
 import pyvista
 import trimesh
+from record import Record, recorded
 
 from qgeo_filters.errors import MeshError
 from qgeo_filters.io.formats import read_raw
@@ -183,19 +183,19 @@ def verdict(ours: Measures, theirs: Measures) -> str:
     return ", ".join(different) or "the same"
 
 
-def main(folders: list[str]) -> None:
-    """Print the table."""
+def main(record: Record) -> None:
+    """Print the table, and what was refused."""
     warnings.simplefilter("ignore")
     logging.disable(logging.CRITICAL)
     open3d.utility.set_verbosity_level(open3d.utility.VerbosityLevel.Error)
-    print("| file | vertices | faces | area | volume | other readers |")
-    print("|---|---|---|---|---|---|")
+    table = record.table("files", "file", "vertices", "faces", "area", "volume", "other readers")
+    refused = []
     with tempfile.TemporaryDirectory() as made:
-        for name, file in files(folders, Path(made)):
+        for name, file in files(record.arguments, Path(made)):
             try:
                 ours = measures(by_qgeo(file))
             except MeshError as error:
-                print(f"| {name} | {str(error).removeprefix(f'{file}: ')} | | | | |", flush=True)
+                refused.append((name, str(error).removeprefix(f"{file}: ")))
                 continue
             said = []
             for peer in PEERS[file.suffix.lower()]:
@@ -207,9 +207,12 @@ def main(folders: list[str]) -> None:
                 except (Exception, SystemExit) as error:  # theirs, whatever it is
                     found = f"fails ({type(error).__name__})"
                 said.append(f"{peer.__name__.removeprefix('by_')}: {found}")
-            numbers = f"{ours.n_vertices} | {ours.n_faces} | {ours.area:.6g} | {ours.volume:.6g}"
-            print(f"| {name} | {numbers} | {'; '.join(said)} |", flush=True)
+            table.row(name, ours.n_vertices, ours.n_faces, f"{ours.area:.6g}", f"{ours.volume:.6g}", "; ".join(said))
+    table = record.table("refused", "file", "why")
+    for cells in refused:
+        table.row(*cells)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    with recorded() as record:
+        main(record)

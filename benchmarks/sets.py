@@ -1,6 +1,6 @@
 """Errors of `match` on all sets that are there, beside published ones, and whether it knows when it is wrong.
 
-    python benchmarks/sets.py DATA --pairs 20 --processes 2 --store DIR [--sets smal_r faust_r]
+    python benchmarks/sets.py DATA --pairs 20 --processes 2 --store DIR [--sets smal_r faust_r] [--json FILE]
 
 DATA holds a folder for each set, named as in `qgeo evaluate` (``faust_r``, ``pfarm`` ...; or ``topkids_like``,
 ``mouse_skulls_wrapped``), or ``tosca`` may be given by ``--tosca ROOT``. Of each category at most so many pairs are
@@ -16,7 +16,7 @@ import argparse
 from pathlib import Path
 
 import numpy as np
-from geodesics_common import machine
+from record import Record, Table, machine, recorded
 
 from qgeo_filters.evaluation import BENCHMARKS, PairFailure, PairResult, PairStore, Row, measured_in_processes
 from qgeo_filters.evaluation.benchmarks import Benchmark
@@ -26,7 +26,7 @@ from qgeo_filters.evaluation.runner import by_target
 FOLDERS = {"topkids_like": "topkids", "kids_r": "kids", "mouse_skulls_wrapped": "vts"}
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print a row for each set as it is done, and at the end how far its own judgement can be trusted."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("data", type=Path)
@@ -36,16 +36,16 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--store", type=Path, required=True)
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     print(f"{machine()}\n")
-    print("| set | pairs | mean x 100 | median | worst | AUC | coverage | mirrored | wrong | sure | CPU s | published, "
-          "no training: best | trained: best |")  # fmt: skip
-    print("| --- |" + " ---: |" * 12)
+    errors = ("mean x 100", "median", "worst", "AUC", "coverage", "mirrored", "wrong", "sure", "CPU s")
+    columns = ("set", "pairs", *errors, "published, no training: best", "trained: best")
+    table = record.table("each set", *columns, align="l" + 12 * "r")
     everything: list[PairResult] = []
     for folder, benchmark in _sets(arguments.data, arguments.tosca).items():
         if arguments.sets is None or folder.name in arguments.sets:
-            everything += _row(folder, benchmark, arguments)
-    _reliability(everything)
+            everything += _row(table, folder, benchmark, arguments)
+    _reliability(record, everything)
 
 
 def _sets(data: Path, tosca: Path | None) -> dict[Path, Benchmark]:
@@ -58,7 +58,7 @@ def _sets(data: Path, tosca: Path | None) -> dict[Path, Benchmark]:
     return found
 
 
-def _row(folder: Path, benchmark: Benchmark, arguments: argparse.Namespace) -> list[PairResult]:
+def _row(table: Table, folder: Path, benchmark: Benchmark, arguments: argparse.Namespace) -> list[PairResult]:
     data = benchmark.read(folder)
     random = np.random.default_rng(arguments.seed)
     chosen = []
@@ -84,24 +84,24 @@ def _row(folder: Path, benchmark: Benchmark, arguments: argparse.Namespace) -> l
               for kind in (False, True)]  # fmt: skip
     published = ["-" if error is None else f"{error:.1f}" for error in others]
     mirrored = str(row.n_mirrored) if row.handed else "?"
-    print(f"| {folder.name} | {row.n_pairs} | {100 * row.mean:.2f} | {100 * row.points.median:.2f} | "
-          f"{100 * row.worst:.1f} | {row.auc:.3f} | {100 * row.coverage:.0f} % | {mirrored} | {row.n_failed} | "
-          f"{row.n_confident} | {row.seconds:.1f} | {' | '.join(published)} |", flush=True)  # fmt: skip
+    found = (f"{100 * row.mean:.2f}", f"{100 * row.points.median:.2f}", f"{100 * row.worst:.1f}", f"{row.auc:.3f}",
+             f"{100 * row.coverage:.0f} %", mirrored, row.n_failed, row.n_confident, f"{row.seconds:.1f}")  # fmt: skip
+    table.row(folder.name, row.n_pairs, *found, *published)
     return results
 
 
-def _reliability(results: list[PairResult]) -> None:
+def _reliability(record: Record, results: list[PairResult]) -> None:
     """How many of the maps called sure are wrong, and how many of the right ones are called sure."""
     wrong = np.array([result.failed for result in results])
     sure = np.array([result.confident for result in results])
-    print("\n| called | right | wrong | share that is wrong |")
-    print("| --- | ---: | ---: | ---: |")
+    table = record.table("its own judgement", "called", "right", "wrong", "share that is wrong", align="lrrr")
     for name, called in (("sure", sure), ("not sure", ~sure)):
         share = f"{100 * wrong[called].mean():.1f} %" if called.any() else "-"
-        print(f"| {name} | {int((called & ~wrong).sum())} | {int((called & wrong).sum())} | {share} |")
+        table.row(name, int((called & ~wrong).sum()), int((called & wrong).sum()), share)
     if (~wrong).any():
-        print(f"\nOf the right maps {100 * sure[~wrong].mean():.1f} % are called sure.")
+        record.note(f"Of the right maps {100 * sure[~wrong].mean():.1f} % are called sure.")
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

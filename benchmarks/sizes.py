@@ -20,7 +20,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from geodesics_common import machine
+from record import machine
 
 import qgeo_filters as qg
 from qgeo_filters.decimation import decimated

@@ -16,7 +16,8 @@ import sys
 import time
 
 import numpy as np
-from geodesics_common import blob, machine
+from geodesics_common import blob
+from record import machine
 
 from qgeo_filters.compilation import warmup
 from qgeo_filters.geodesics.metric import lifted_metric

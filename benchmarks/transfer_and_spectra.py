@@ -14,7 +14,7 @@ import argparse
 from pathlib import Path
 
 import numpy as np
-from geodesics_common import machine
+from record import machine
 from scipy.stats import rankdata, spearmanr
 
 import qgeo_filters as qg

@@ -1,6 +1,6 @@
 """A page of a large mesh: megabytes, seconds until it shows, milliseconds of a change of colours; needs Chromium.
 
-    python benchmarks/widgets_large.py MESH
+    python benchmarks/widgets_large.py MESH [--json results/widgets_large.json]
 
 The mesh is compared with itself, turned, in two modes. A change of colours is from the choice in the list to the
 picture after the next, in a headless Chromium that draws in software: a graphics card is quicker. Beside it, in
@@ -16,8 +16,8 @@ import time
 from pathlib import Path
 
 import numpy as np
-from geodesics_common import machine
 from playwright.sync_api import sync_playwright
+from record import Record, recorded
 
 import qgeo_filters as qg
 import qgeo_widgets as qw
@@ -39,35 +39,36 @@ _CHANGE = """async () => {
 }"""
 
 
-def main() -> None:
-    """Print it."""
+def main(record: Record) -> None:
+    """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("mesh", type=Path)
-    mesh = qg.Surface.read(parser.parse_args().mesh)
+    mesh = qg.Surface.read(parser.parse_args(record.arguments).mesh)
     x = qg.Surface(mesh.vertices, mesh.faces, {"height": mesh.vertices[:, 2]})
     y = x.with_vertices(x.vertices @ np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]]))
-    print(machine())
+    table = record.table(f"{x.n_vertices} vertices on each side", "what", "how much")
     start = time.perf_counter()
     widget = qw.compare(x, y, p2p=np.arange(x.n_vertices))
-    print(f"{x.n_vertices} vertices on each side; widget made: {time.perf_counter() - start:.2f} s")
+    table.row("widget made", f"{time.perf_counter() - start:.2f} s")
     widget.mode = "attribute: height"
     start = time.perf_counter()
     widget.limits = tuple(np.quantile(x.attributes["height"], [0.2, 0.8]).tolist())
-    print(f"limits changed, sent: {1000 * (time.perf_counter() - start):.0f} ms")
+    table.row("limits changed, all sent", f"{1000 * (time.perf_counter() - start):.0f} ms")
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         path = Path(folder) / "page.html"
         widget.to_html(path, modes=["colours carried from X to Y", "attribute: height"])
-        print(f"page: {path.stat().st_size / 1e6:.2f} MB")
+        table.row("page", f"{path.stat().st_size / 1e6:.2f} MB")
         browser = playwright.chromium.launch(executable_path=tools.chromium(), args=tools.CHROMIUM_FLAGS)
         page = browser.new_page(viewport={"width": 1280, "height": 1000})
         start = time.perf_counter()
         page.goto(path.as_uri())
         tools.until(lambda: tools.pixels(page.locator(".qgeo-view").first).std() > 15)
-        print(f"opened and drawn: {time.perf_counter() - start:.1f} s")
+        table.row("page opened and drawn", f"{time.perf_counter() - start:.1f} s")
         times = page.evaluate(_CHANGE)
-        print(f"colours changed, drawn: median {np.median(times):.0f} ms, largest {max(times):.0f} ms")
+        table.row("colours changed, drawn: median / longest", f"{np.median(times):.0f} / {max(times):.0f} ms")
         browser.close()
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)
