@@ -44,7 +44,7 @@ def given_poses(reference: Surface, poses: Any) -> Iterator[FloatArray]:
     count = 0
     for count, pose in enumerate(_listed(poses), start=1):
         with concerning(f"pose {count - 1}"):
-            yield _positions(reference, pose)
+            yield given_pose(reference, pose)
     if count == 0:
         raise ParameterError("no poses were given")
 
@@ -60,18 +60,31 @@ def scanned_poses(reference: Surface, scans: Any, accept_unsure: bool = False) -
     ParameterError
         A scan whose match is not sure, unless that is accepted, with a warning; one that reverses the orientation.
     """
-    prepared, before, count = PreparedShape(reference), None, 0
+    follower, count = ScanFollower(reference, accept_unsure), 0
     for count, scan in enumerate(_listed(scans), start=1):
         with concerning(f"pose {count - 1}"):
-            surface, _ = as_given(scan, "auto")
-            marks = None if before is None else _marks(reference, before, surface)
-            found = match(prepared, surface, landmarks=marks)
-            places = places_on(surface, reference, found, accept_unsure)
-            warned(f"pose {count - 1}: {doubt}" for doubt in places.doubts)
-            before = laid_onto(reference, surface, places, _SCAN_LENGTH)
-        yield before
+            positions = follower(scan, f"pose {count - 1}")
+        yield positions
     if count == 0:
         raise ParameterError("no poses were given")
+
+
+class ScanFollower:
+    """Brings a reference onto one scan after the other, as `scanned_poses` says; a scan that fails leaves no trace."""
+
+    def __init__(self, reference: Surface, accept_unsure: bool = False) -> None:
+        self._prepared, self._reference, self._accept_unsure = PreparedShape(reference), reference, accept_unsure
+        self._before: FloatArray | None = None
+
+    def __call__(self, scan: Any, called: str) -> FloatArray:
+        """Positions (n, 3) of the reference's vertices; warnings say what the scan is called."""
+        surface, _ = as_given(scan, "auto")
+        marks = None if self._before is None else _marks(self._reference, self._before, surface)
+        found = match(self._prepared, surface, landmarks=marks)
+        places = places_on(surface, self._reference, found, self._accept_unsure)
+        warned(f"{called}: {doubt}" for doubt in places.doubts)
+        self._before = laid_onto(self._reference, surface, places, _SCAN_LENGTH)
+        return self._before
 
 
 def laid_onto(body: Surface, surface: Surface, places: Places, length: float) -> FloatArray:
@@ -104,7 +117,8 @@ def _listed(poses: Any) -> Iterable[Any]:
     return listed
 
 
-def _positions(reference: Surface, pose: Any) -> FloatArray:
+def given_pose(reference: Surface, pose: Any) -> FloatArray:
+    """Positions (n, 3) of the reference's vertices in one pose, as `given_poses` takes it."""
     if isinstance(pose, (np.ndarray, list)) or is_tensor(pose):
         return _checked(reference, pose)
     surface, _ = as_given(pose, "auto")

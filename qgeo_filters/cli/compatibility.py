@@ -49,11 +49,13 @@ def compatibility(
     """Measure how far poses are from sharing one eigenspectrum: D(S), and C_XY of every two.
 
     Vertex i is the same point of all poses if they have the same faces; if not, the maps are found as by qgeo match.
+    A pose that cannot be read, and is no baseline, is named and left out.
 
     result.npz: d_s, c_xy (p, p), eigenvalues (p, k), index (p, k), signs (p, k), maps (p, n).
     """
     import numpy as np
 
+    from qgeo_filters.cli.in_turn import Batch
     from qgeo_filters.cli.job import Job
     from qgeo_filters.cli.job_text import as_title
     from qgeo_filters.matching.compatibility import compatibility as compatibility_of
@@ -68,9 +70,13 @@ def compatibility(
     settings = Settings(output, quiet, json, mend, pictures, also)
     called = [f"surfaces[{index}]" for index in range(len(meshes))]
     job = Job("compatibility", settings, parameters, meshes, names=called, pictures=("poses", "c_xy"))
-    poses = job.read()
+    batch = Batch()
+    # Of two poses, or of baselines that are none, nothing can be left out.
+    sound = len(meshes) > 2 and all(0 <= pose < len(meshes) for pose in baselines)
+    poses, good = job.read_good(batch, baselines if sound else range(len(meshes)))
+    kept = (good.index(baselines[0]), good.index(baselines[1])) if sound else baselines
     with job.stage("compatibility"):
-        found = compatibility_of(poses, baselines, k=k, curvature_weight=curvature_weight)
+        found = compatibility_of(poses, kept, k=k, curvature_weight=curvature_weight)
     first = found.baselines[0]
     arrays = {
         "d_s": np.float64(found.d_s),
@@ -89,6 +95,7 @@ def compatibility(
         "largest_c_xy": float(pairs.max()),
         "c_xy_of_the_baselines": float(found.c_xy[found.baselines]),
         "maps": "equal vertex numbers" if one_mesh else "found by match",
+        **batch.for_results(),
     }
     view = best_view(poses[first].vertices, poses[first].faces)
     colors = pose_colors([poses[first], *poses], [found.maps[first], *found.maps], view)[1:]
@@ -109,3 +116,4 @@ def compatibility(
     )
     rows = [(name, *map(float, row)) for name, row in zip(job.names, found.c_xy, strict=True)]
     job.finish([Table("C_XY", rows, ("", *job.names))] if len(poses) <= _MOST_POSES else [])
+    batch.finish(len(meshes), "poses were left out")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import errno
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +16,40 @@ from qgeo_filters.errors import QgeoError, reason
 from qgeo_filters.io.folders import mesh_files
 
 _FAILED = 1
+
+
+class Batch:
+    """Files of which some may be bad: these are named, and the rest goes on.
+
+    Attributes
+    ----------
+    bad : list of (Path, str)
+        What was named, and why.
+    """
+
+    def __init__(self) -> None:
+        self.bad: list[tuple[Path, str]] = []
+
+    @contextmanager
+    def trying(self, file: Path) -> Iterator[None]:
+        """Context that ends early where something is wrong with a file; a full disk, which is so for all, is raised."""
+        try:
+            yield
+        except (QgeoError, MemoryError, OSError) as error:
+            if isinstance(error, OSError) and _is_of_the_disk(error):
+                raise
+            self.bad.append((file, reason(error)))
+            _say(file, error)
+
+    def for_results(self) -> dict[str, list[dict[str, str]]]:
+        """What result.json says of the bad ones: nothing where all were good."""
+        return {"left_out": [{"path": str(path), "why": why} for path, why in self.bad]} if self.bad else {}
+
+    def finish(self, count: int, what: str = "meshes have no results") -> None:
+        """End the command with exit code 1 if any of so many was bad."""
+        if self.bad:
+            typer.echo(f"qgeo: {len(self.bad)} of {count} {what}", err=True)
+            raise typer.Exit(_FAILED)
 
 
 def in_turn(
@@ -43,28 +78,18 @@ def in_turn(
 
     below = default_folder(command, [*about, *(path.resolve().stem for path in meshes)])
     files: list[Path] = []
-    bad = 0
+    batch = Batch()
     for path in meshes:
-        try:
+        with batch.trying(path):
             files += mesh_files(path)
-        except (QgeoError, OSError) as error:
-            bad += 1
-            _say(path, error)
-    count = len(files) + bad
+    count = len(files) + len(batch.bad)
     for number, (name, file) in enumerate(zip(numbered([file.stem for file in files]), files, strict=True), start=1):
         if not (settings.quiet or settings.json):
             typer.echo(f"qgeo: {file} ({number} of {len(files)})", err=True)
         folder = free_folder(below / name, [file]) if settings.output is None else settings.output / name
-        try:
+        with batch.trying(file):
             one(file, replace(settings, output=folder))
-        except (QgeoError, MemoryError, OSError) as error:
-            if isinstance(error, OSError) and _is_of_the_disk(error):
-                raise  # it would be so for the rest
-            bad += 1
-            _say(file, error)
-    if bad:
-        typer.echo(f"qgeo: {bad} of {count} meshes have no results", err=True)
-        raise typer.Exit(_FAILED)
+    batch.finish(count)
 
 
 def _is_of_the_disk(error: OSError) -> bool:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from qgeo_filters.cli.in_turn import Batch
 from qgeo_filters.cli.job_text import numbered
 from qgeo_filters.cli.options import Settings
 from qgeo_filters.errors import MeshError, QgeoError, TooLargeError, of_file, reason
@@ -46,6 +47,7 @@ class JobMeshes(ABC):
         self.meshes: list[dict[str, Any]] = []
         self.repairs: list[Repair | None] = []
         self._names = tuple(names)
+        self._stems = numbered([path.stem or "mesh" for path in self.paths])
         self._surfaces: list[Surface] = []
 
     @abstractmethod
@@ -85,13 +87,37 @@ class JobMeshes(ABC):
 
     def read(self, pieces: Pieces = "largest") -> list[Surface]:
         """Surfaces of the files, repaired if they must or are asked to be, in one piece or in all of them."""
-        for index, path in enumerate(self.paths):
-            with self.stage("read", index), of_file(str(path)):
-                given, repair = surface_and_repair(path, self.settings.repair, pieces)
-            surface = given if repair is None else repair.surface
-            self.repairs.append(repair)
-            self._describe(path, given, surface, repair.report if repair else ())
+        for index in range(len(self.paths)):
+            self._read(index, pieces)
         return self._surfaces
+
+    def read_good(self, batch: Batch, needed: Collection[int]) -> tuple[list[Surface], list[int]]:
+        """Surfaces and indices of the files that can be read, which from then on are the job's; the others are named.
+
+        Parameters
+        ----------
+        batch : Batch
+            Names them.
+        needed : collection of int
+            Files without which there is nothing to do: what is wrong with one of them is raised.
+        """
+        good = []
+        for index, path in enumerate(self.paths):
+            with nullcontext() if index in needed else batch.trying(path):
+                self._read(index, "largest")
+                good.append(index)
+        self.paths = tuple(self.paths[index] for index in good)
+        self._names = self._names[: len(good)]  # what functions call them, who see no others
+        self._stems = [self._stems[index] for index in good]
+        return self._surfaces, good
+
+    def _read(self, index: int, pieces: Pieces) -> None:
+        path = self.paths[index]
+        with self.stage("read", index), of_file(str(path)):
+            given, repair = surface_and_repair(path, self.settings.repair, pieces)
+        surface = given if repair is None else repair.surface
+        self.repairs.append(repair)
+        self._describe(path, given, surface, repair.report if repair else ())
 
     def read_given(self) -> list[Surface]:
         """Surfaces of the files with all of their vertices, for what repairs them itself and says so by `repaired`."""
@@ -156,7 +182,7 @@ class JobMeshes(ABC):
     @property
     def names(self) -> list[str]:
         """Names of the meshes' files without folder and suffix, numbered where they repeat."""
-        return numbered([path.stem or "mesh" for path in self.paths])
+        return list(self._stems)
 
     def _of_file(self, surface: Surface, mesh: int, vertices: Iterable[str]) -> Surface:
         """The mesh with the vertices of the file, and its attributes there."""

@@ -23,6 +23,8 @@ from qgeo_filters.cli.options import (
 )
 from qgeo_filters.errors import ParameterError
 
+_NO_RESULT = "poses have no results"
+
 
 def transfer(
     reference: Annotated[
@@ -64,16 +66,18 @@ def transfer(
 ) -> None:
     """Move Y as X is moved: deformation transfer along a correspondence that is found, not given.
 
-    Y_POSE.ply: Y in each pose, written as it is finished. result.npz: positions (k, n_Y, 3), and corners (n_Y, 3) and
+    Y_POSE.ply: Y in each pose, written as it is finished; a pose that cannot be read or does not fit is named, and the
+    others go on. result.npz: positions (k, n_Y, 3), and corners (n_Y, 3) and
     coordinates (n_Y, 3), the point of X for each vertex of Y. animation.glb: both shapes, playing.
     """
     import numpy as np
 
     from qgeo_filters.animation.places import warned
-    from qgeo_filters.animation.poses import given_poses, scanned_poses
+    from qgeo_filters.animation.poses import ScanFollower, given_pose
     from qgeo_filters.animation.sequence import Animation
     from qgeo_filters.animation.transfer import PoseTransfer
     from qgeo_filters.cli import animations
+    from qgeo_filters.cli.in_turn import Batch
     from qgeo_filters.cli.job import Job
     from qgeo_filters.cli.job_text import as_title, numbered
     from qgeo_filters.filters import stages
@@ -119,15 +123,20 @@ def transfer(
     with job.stage("prepare"):
         plan = PoseTransfer.of(x, y, found, same_pose=same_pose, same_body=same_body, align=align, accept_unsure=unsure)
     colors = transfer_colors(x, plan.places.on_x)
-    followed, moved = [], []
+    batch, followed, moved = Batch(), [], []
     with job.stage("poses"):
         warned(plan.doubts)
-        given = scanned_poses(x, files, unsure) if scans else given_poses(x, files)
-        for pose, name in zip(given, frames, strict=True):
-            followed.append(plan.frame(pose))
-            moved.append(plan.moved(pose))
-            displacement = np.linalg.norm(moved[-1] - y.vertices, axis=1)
-            job.write_meshes({name: Shown(colors[1], displacement).on(y.with_vertices(moved[-1]))})
+        follower = ScanFollower(x, unsure) if scans else None
+        for file, name in zip(files, frames, strict=True):
+            with batch.trying(file):
+                pose = follower(file, str(file)) if follower else given_pose(x, file)
+                positions = plan.moved(pose)
+                displacement = np.linalg.norm(positions - y.vertices, axis=1)
+                job.write_meshes({name: Shown(colors[1], displacement).on(y.with_vertices(positions))})
+                followed.append(plan.frame(pose))
+                moved.append(positions)
+    if not moved:
+        batch.finish(len(files), _NO_RESULT)
     result = plan.result(followed, moved)
     arrays = {
         "positions": result.positions,
@@ -137,7 +146,7 @@ def transfer(
     of_x = animations.numbers(Animation(plan.aligned_x, np.stack(followed)))
     numbers = {"apart": result.apart, "mean_edge_change_of_x": of_x["mean_edge_change"], **animations.numbers(result)}
     job.save(
-        {**numbers, "confident": found.confident, "score": found.score},
+        {**numbers, "confident": found.confident, "score": found.score, **batch.for_results()},
         arrays,
         x,
         y,
@@ -147,3 +156,4 @@ def transfer(
     caption = "Some of the poses of X, and Y moved as they are; what belongs together has one colour."
     animations.save_animation(job, result, names, seconds, called, caption)
     job.finish()
+    batch.finish(len(files), _NO_RESULT)

@@ -64,6 +64,7 @@ _MEANINGS = {
     "largest_mean_edge_change": "the same in the worst frame",
     "folded_edges": "edges at which the surface lies folded onto itself and did not before, over all frames",
     "notes": "what was done beside what was asked for",
+    "left_out": "files that could not be used, and why",
     # meshes
     "vertices": "points, those without faces included",
     "faces": "triangles",

@@ -51,14 +51,34 @@ def test_a_folder_of_poses_becomes_poses_of_the_other(qgeo: Qgeo, loaded: Loaded
     )
 
 
-def test_finished_poses_are_kept_where_one_cannot_be_read(qgeo: Qgeo, folder: Path) -> None:
-    (folder / "walk" / "11.ply").write_text("no mesh")
+@pytest.mark.parametrize("scans", [[], ["--scans", "--accept-unsure"]])
+def test_poses_that_cannot_be_used_are_named_and_the_rest_goes_on(
+    qgeo: Qgeo, loaded: Loaded, folder: Path, scans: list[str]
+) -> None:
+    """The others are what they are without the bad ones, bit for bit."""
+    alone = qgeo("transfer", "walk", "--onto", "other.ply", "--no-pictures", "-o", "alone", "-q", *scans)
+    assert alone.exit_code == 0, alone.stderr
+    (folder / "walk" / "1.ply").write_text("no mesh")
+    qg.Surface(X.vertices[:4], [[0, 1, 2], [0, 2, 3]]).write(folder / "walk" / "11.ply")
+    result = qgeo("transfer", "walk", "--onto", "other.ply", "--no-pictures", "-q", *scans)
+    first, second, last = (line for line in result.stderr.splitlines() if "warning" not in line)
+    assert result.exit_code == 1
+    assert "walk/1.ply" in first
+    assert second.startswith("qgeo: walk/11.ply: ")
+    assert last == "qgeo: 2 of 4 poses have no results"
+    content, arrays = loaded(Path("qgeo-out/transfer-0-other"))
+    assert [Path(one["path"]).name for one in content["results"]["left_out"]] == ["1.ply", "11.ply"]
+    assert {"other_2.ply", "other_10.ply", "animation.glb"} <= set(content["files"])
+    assert not {"other_1.ply", "other_11.ply"} & set(content["files"])
+    np.testing.assert_array_equal(arrays["positions"], loaded(Path("alone"))[1]["positions"])
+
+
+def test_without_a_good_pose_there_is_no_result(qgeo: Qgeo, folder: Path) -> None:
+    for number in (2, 10):
+        (folder / "walk" / f"{number}.ply").write_text("no mesh")
     result = qgeo("transfer", "walk", "--onto", "other.ply", "--no-pictures")
-    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
-    assert "pose 2" in result.stderr
-    assert "11.ply" in result.stderr
-    assert Path("qgeo-out/transfer-0-other/other_2.ply").is_file()
-    assert Path("qgeo-out/transfer-0-other/other_10.ply").is_file()
+    assert (result.exit_code, result.stderr.splitlines()[-1]) == (1, "qgeo: 2 of 2 poses have no results")
+    assert not Path("qgeo-out").exists()
 
 
 def test_the_way_through_poses(qgeo: Qgeo, loaded: Loaded, folder: Path) -> None:

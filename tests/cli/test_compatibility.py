@@ -39,6 +39,42 @@ def test_compatibility(qgeo: Qgeo, loaded: Loaded, poses: list[str]) -> None:
     assert {"poses.png", "c_xy.png", "blob.ply", "moved.ply", "stretched.ply"} <= set(content["files"])
 
 
+def test_a_pose_that_cannot_be_read_is_named_and_the_rest_goes_on(qgeo: Qgeo, loaded: Loaded, poses: list[str]) -> None:
+    """What is found of the others is what is found without it, their places among the results included."""
+    assert qgeo("compatibility", *poses, "-k", 5, "--baselines", 1, 2, "--no-pictures", "-o", "all").exit_code == 0
+    Path("bad").mkdir()
+    Path("bad/moved.off").write_text("no mesh")
+    options = ["-k", 5, "--baselines", 2, 3, "-o", "out", "-q"]
+    result = qgeo("compatibility", "blob.off", "bad/moved.off", *poses[1:], *options)
+    assert (result.exit_code, result.stderr.count("\n")) == (1, 2)
+    first, last = result.stderr.splitlines()
+    assert "bad/moved.off" in first
+    assert last == "qgeo: 1 of 4 poses were left out"
+    content, arrays = loaded(Path("out"))
+    assert [one["path"] for one in content["results"]["left_out"]] == ["bad/moved.off"]
+    assert [mesh["path"] for mesh in content["meshes"]] == poses
+    for name, expected in loaded(Path("all"))[1].items():
+        np.testing.assert_array_equal(arrays[name], expected)
+
+
+def test_a_file_behind_one_that_was_left_out_is_named_by_its_own_name(qgeo: Qgeo, poses: list[str]) -> None:
+    """The square is the third pose that there is, too small to be matched."""
+    result = qgeo("compatibility", *poses[:2], "broken.off", "square.obj", poses[2])
+    assert result.exit_code == 2
+    first, last = result.stderr.splitlines()
+    assert "broken.off" in first
+    assert last.startswith("qgeo: surfaces[2] (square.obj): matching needs")
+
+
+def test_a_baseline_that_cannot_be_read_is_refused(qgeo: Qgeo, poses: list[str]) -> None:
+    Path("moved.off").write_text("no mesh")
+    for names in (poses, poses[:2], [*poses, "blob.off"]):
+        result = qgeo("compatibility", *names)
+        assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+        assert "moved.off" in result.stderr
+        assert not Path("qgeo-out").exists()
+
+
 def test_baselines(qgeo: Qgeo, loaded: Loaded, poses: list[str]) -> None:
     assert qgeo("compatibility", *poses, "-k", 5, "--baselines", 1, 2, "--no-pictures").exit_code == 0
     content, arrays = loaded(Path("qgeo-out/compatibility-blob-moved-stretched"))

@@ -106,7 +106,7 @@ def test_a_name_that_is_no_text(meshes: Path) -> None:
         (("match", "blob.off", "broken.off"), "Y (broken.off): "),
         (("match", "broken.off", "blob.off"), "X (broken.off): "),
         (("compatibility", "blob.off", "square.obj"), "surfaces[1] (square.obj): matching needs"),
-        (("compatibility", "blob.off", "blob.off", "broken.off"), "surfaces[2] (broken.off): "),
+        (("compatibility", "blob.off", "broken.off", "blob.off"), "surfaces[1] (broken.off): "),
         (("match", "blob.off", "nowhere.off"), "nowhere.off"),
     ],
 )
