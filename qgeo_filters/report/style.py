@@ -22,11 +22,16 @@ h2 { font-size: 1.05rem; margin: 0 0 .6rem; }
 figure, .table { margin: 0; background: var(--card); border: 1px solid var(--line); border-radius: .6rem;
   overflow: hidden; }
 figure.wide { grid-column: 1 / -1; }
-/* The pictures are made for white paper: they keep it at night. */
+/* The pictures are made for white paper: they keep it at night, as cards of their own, and their colours, which legends
+   name, are left alone. */
 figure img {
   display: block; width: 100%; max-height: 44rem; object-fit: contain; background: #ffffff; padding: .75rem;
 }
-@media (prefers-color-scheme: dark) { figure img { filter: brightness(.88); } }
+@media (prefers-color-scheme: dark) {
+  figure { padding: .75rem .75rem 0; }
+  figure img { border-radius: .4rem; }
+  figcaption { border-top: 0; padding-inline: .25rem; }
+}
 figcaption { padding: .7rem 1rem .8rem; border-top: 1px solid var(--line); font-size: .92rem;
   color: var(--faint); }
 .tables { columns: 2 24rem; column-gap: 1.25rem; margin-top: 1.25rem; }
@@ -61,7 +66,8 @@ footer { margin-top: 1.5rem; font-size: .88rem; color: var(--faint); overflow-wr
   .pictures { grid-template-columns: repeat(2, minmax(0, 1fr)); }
   figure, .table, tr { break-inside: avoid; }
   figure, .table { border-radius: 0; }
-  figure img { max-height: 11cm; filter: none; }
+  figure { padding: 0; }
+  figure img { max-height: 11cm; }
   h1, h2 { break-after: avoid; }
   .tables { columns: 1; }
   .scroll { overflow: visible; }

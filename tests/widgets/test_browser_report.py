@@ -1,0 +1,38 @@
+"""The report in a browser: by night its pictures have the colours that they have by day."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import browser as tools
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from qgeo_filters.report.html import Picture, write_report
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+
+
+def test_pictures_are_not_dimmed_in_the_dark(chromium, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    """Two colours of a scale, and the white of the paper, come out to the bit; what lies around them is dark."""
+    figure = Figure(figsize=(4, 2), dpi=100, facecolor="white")
+    axes = figure.add_axes((0.25, 0.25, 0.5, 0.5))
+    axes.imshow([[0.2, 0.9]], cmap="viridis", vmin=0, vmax=1, aspect="auto")
+    axes.set_axis_off()
+    write_report(tmp_path / "report.html", "Colours", pictures=[Picture("colours", figure, "Two colours.")])
+    found = {}
+    for scheme in ("light", "dark"):
+        page = chromium.new_page(viewport={"width": 900, "height": 700}, color_scheme=scheme)
+        page.goto((tmp_path / "report.html").as_uri())
+        image = page.locator("figure img")
+        image.evaluate("image => image.decode()")
+        shown = tools.pixels(image)
+        height, width = shown.shape[:2]
+        found[scheme] = [shown[height // 2, round(share * width)] for share in (0.38, 0.62, 0.08)]
+        body = tools.pixels(page.locator("body"))[2, 2]
+        assert (body.mean() > 200) == (scheme == "light")
+        page.close()
+    np.testing.assert_array_equal(found["dark"], found["light"])
+    assert (found["dark"][2] == 255).all()
+    assert np.ptp(found["dark"][:2], axis=0).max() > 50
