@@ -47,6 +47,13 @@ def _on_this_side(values: Any) -> Any:
     """The tensor as an array of NumPy, without its gradient and in this machine's memory; anything else as it is."""
     if not is_tensor(values):
         return values
-    if callable(getattr(values, "detach", None)):
-        values = values.detach()
-    return values.cpu().numpy()
+    for name in ("detach", "resolve_conj", "resolve_neg"):  # of PyTorch: views that NumPy does not know, made real
+        if callable(method := getattr(values, name, None)):
+            values = method()
+    here = values.cpu()
+    try:
+        return here.numpy()
+    except TypeError:
+        if not callable(getattr(here, "float", None)):
+            raise
+        return here.float().numpy()  # of a kind that NumPy has not, bfloat16: float32 has each of its numbers

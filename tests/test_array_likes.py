@@ -30,6 +30,43 @@ def test_tensors_are_arrays_with_their_type(kind):
     np.testing.assert_array_equal(as_array([Tensor(row, **kind) for row in values]), values)
 
 
+def test_tensors_that_numpy_has_no_type_for():
+    """A view of the opposites, and bfloat16, whose numbers float32 has; a type that nobody can change stays refused."""
+    values = np.array([[0.5, -1.25, 3.0], [2.0, 1e30, 0.0]], dtype=np.float32)
+    np.testing.assert_array_equal(as_array(Tensor(values, negative=True)), -values)
+    found = as_array(Tensor(values, half=True, requires_grad=True, device="cuda:0"))
+    assert found.dtype == np.float32
+    np.testing.assert_allclose(found, values, rtol=2**-7)
+    np.testing.assert_array_equal(found[0], values[0])
+    with pytest.raises(TypeError, match="no such type"):
+        as_array(SimpleNamespace(cpu=lambda: SimpleNamespace(numpy=refused), numpy=refused))
+
+
+def refused():
+    raise TypeError("no such type")
+
+
+def test_tensors_of_pytorch():
+    """The stand-in's words are those of the real one, where it is installed; it is too large for our tests."""
+    torch = pytest.importorskip("torch")
+    vertices, faces = torch.tensor(np.array(SURFACE.vertices)), torch.tensor(np.array(SURFACE.faces))
+    plain = qg.distances(SURFACE, [17, 3])
+    pair = vertices.clone().requires_grad_(), faces
+    np.testing.assert_array_equal(qg.distances(pair, torch.tensor([17, 3])), plain)
+    np.testing.assert_array_equal(qg.as_surface((torch._neg_view(vertices), faces)).vertices, -SURFACE.vertices)
+    half = vertices.bfloat16()
+    np.testing.assert_array_equal(qg.as_surface((half, faces)).vertices, half.double().numpy())
+    assert qg.match(pair, (vertices.float(), faces)).confident == qg.match(SURFACE, SURFACE).confident
+
+
+def test_a_matrix_of_distances_may_be_a_tensor():
+    matrix = qg.distance_matrix(SURFACE)
+    expected = qg.distance_spectrum(SURFACE, k=4, matrix=matrix)
+    found = qg.distance_spectrum(SURFACE, k=4, matrix=Tensor(matrix, requires_grad=True, device="cuda:0"))
+    np.testing.assert_array_equal(found.eigenvalues, expected.eigenvalues)
+    np.testing.assert_array_equal(found.eigenfunctions, expected.eigenfunctions)
+
+
 def test_what_numpy_takes_is_what_it_takes():
     array = np.arange(3)
     assert as_array(array) is array

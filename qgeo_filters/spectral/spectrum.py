@@ -12,6 +12,7 @@ from scipy.sparse.linalg import LinearOperator, aslinearoperator
 
 from qgeo_filters._deprecation import renamed_parameters
 from qgeo_filters._typing import FloatArray
+from qgeo_filters.array_likes import as_array, is_tensor
 from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.html_repr import card
 from qgeo_filters.spectral.block_lanczos import block_eigenpairs
@@ -228,6 +229,7 @@ def _symmetric(matrix: Any, root: FloatArray) -> LinearOperator:
 
 
 def _products(matrix: Any) -> LinearOperator:
+    matrix = as_array(matrix) if is_tensor(matrix) else matrix
     has_products = isinstance(matrix, (np.ndarray, LinearOperator)) or sparse.issparse(matrix)
     if has_products:
         return aslinearoperator(matrix)
