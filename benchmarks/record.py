@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
+_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS")
 _STRING = r'"(?:[^"\\]|\\.)*"'
 
 
@@ -97,9 +98,12 @@ class Record:
 
     def content(self) -> dict[str, Any]:
         """What the file holds."""
+        threads = [f"{name}={os.environ[name]}" for name in _THREADS if name in os.environ]
         return {
             # Files and folders by their last names: where they lie here says nothing to others.
-            "command": " ".join(["python", f"benchmarks/{Path(sys.argv[0]).name}", *map(_name, self.arguments)]),
+            "command": " ".join(
+                [*threads, "python", f"benchmarks/{Path(sys.argv[0]).name}", *map(_name, self.arguments)]
+            ),
             "evaluation_data": "QGEO_DATA" in os.environ,
             "machine": machine(),
             "load": [self._load, load()],

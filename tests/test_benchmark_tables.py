@@ -50,7 +50,7 @@ def test_a_result_says_how_it_was_made(file: Path) -> None:
     text = file.read_text(encoding="utf-8")
     content = json.loads(text)
     assert record.as_json(content) == text
-    script = re.match(r"python benchmarks/(\w+\.py)", content["command"])
+    script = re.match(r"(?:[A-Z_]+=\d+ )*python benchmarks/(\w+\.py)", content["command"])
     assert script
     assert (BENCHMARKS / script[1]).is_file()
     assert re.fullmatch(r"\d{4}-\d\d-\d\d", content["date"])
@@ -65,7 +65,10 @@ def test_a_result_says_how_it_was_made(file: Path) -> None:
         assert all(len(row) == len(table["columns"]) for row in table["rows"])
 
 
-def test_a_run_is_printed_and_kept_alike(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_is_printed_and_kept_alike(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "1")
     kept = tmp_path / "kept.json"
     with record.recorded(["--pairs", "3", "--json", str(kept), "some/where/cat0.off"]) as run:
         assert run.arguments == ["--pairs", "3", "some/where/cat0.off"]
@@ -76,7 +79,8 @@ def test_a_run_is_printed_and_kept_alike(tmp_path: Path, capsys: pytest.CaptureF
         with pytest.raises(ValueError, match="1 cells for 2 columns"):
             table.row("too few")
     content = json.loads(kept.read_text(encoding="utf-8"))
-    assert content["command"].endswith(".py --pairs 3 cat0.off")
+    assert content["command"].startswith("OPENBLAS_NUM_THREADS=1 ")
+    assert content["command"].endswith(" --pairs 3 cat0.off")
     assert [(one["title"], one["align"]) for one in content["tables"]] == [("first", "lr"), ("second", "lr")]
     assert content["tables"][0]["rows"] == [["ours, [graph]", "0.25"]]
     assert content["tables"][1]["rows"] == [["1", "2"], ["3", ""]]
