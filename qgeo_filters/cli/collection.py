@@ -233,6 +233,7 @@ def _end(collection: Collection, json: bool, quiet: bool, *, failing: bool = Tru
         elif not quiet:
             shapes = f"{found['prepared']} of {found['shapes']} shapes prepared"
             pairs = f"{found['matched']} of {found['pairs']} pairs matched, {found['confident']} of them surely"
-            typer.echo(f"{collection.store.root}: {shapes}, {pairs}")
+            again = f", {found['matched_again']} matched again" if found["matched_again"] else ""
+            typer.echo(f"{collection.store.root}: {shapes}, {pairs}{again}")
     if failing and any(problem.lost for problem in problems):
         raise typer.Exit(_FAILED)

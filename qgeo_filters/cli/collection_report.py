@@ -73,7 +73,7 @@ def report(
     contradictions = Table(
         "Maps that contradict those through other shapes, in √area",
         against,
-        note="Collection.mended() matches them again.",
+        note="Collection.mended() matches them again, and keeps what it finds in the store.",
     )
     wrong = [(problem.subject, problem.reason) for problem in collection.problems]
     job.finish(
@@ -140,6 +140,7 @@ def _save(job: Job, collection: Collection, squares: dict[str, Any]) -> None:
         "matched": status.matched,
         "confident": status.confident,
         "not_matched": status.failed,
+        "matched_again": status.matched_again,
         "cpu_seconds": status.seconds,
     }
     arrays = {name: square.to_numpy() for name, square in squares.items()}

@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
+import functools
+import time
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import IndexArray
 from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.collection.common import CommonShapes, common_shapes
 from qgeo_filters.collection.composition import Pair
-from qgeo_filters.collection.cycles import TOLERANCE, CycleConsistency, cycle_consistency
+from qgeo_filters.collection.cycles import THIRDS, TOLERANCE, CycleConsistency, cycle_consistency
 from qgeo_filters.collection.landmarks import landmark_table, landmarks_on_all
-from qgeo_filters.collection.mending import MendedPair, mended_maps
+from qgeo_filters.collection.mending import MendedPair, Registration, mended_maps, registration
+from qgeo_filters.collection.pair_arrays import record_of_match
+from qgeo_filters.collection.records import Record
 from qgeo_filters.collection.results import Results
+from qgeo_filters.collection.settings import map_key
 from qgeo_filters.collection.spanning_tree import spanning_tree, template_maps, tree_maps
+from qgeo_filters.collection.store import mended_place
 from qgeo_filters.collection.synchronisation import synchronised_map, synchronised_maps
 from qgeo_filters.collection.tasks import PROBLEM
-from qgeo_filters.errors import ParameterError, require_package
+from qgeo_filters.errors import ParameterError, QgeoError, reason, require_package
 from qgeo_filters.io.landmarks import Landmarks
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.surface import Surface
@@ -77,15 +84,26 @@ class Consistent(Results):
         pairs = [(x, name) for x in self._others(name) if names is None or x in names]
         return {x: place for (x, _), place in self._along(name, pairs, how).items()}
 
-    def consistency(self) -> CycleConsistency:
-        """How far each map contradicts those through a third shape; takes three shapes, all of them matched."""
-        return cycle_consistency(self.surfaces(), self._matched())
+    def consistency(self, *, thirds: int | None = THIRDS, seed: int = 0) -> CycleConsistency:
+        """How far each map contradicts those through a third shape; takes three shapes, all of them matched.
+
+        Parameters
+        ----------
+        thirds : int, optional
+            How many third shapes each map is judged by at most, at random beyond that; None: all, see
+            `cycle_consistency`.
+        seed : int
+        """
+        return cycle_consistency(self.surfaces(), self._matched(), thirds=thirds, seed=seed)
 
     def mended(self, *, tolerance: float = TOLERANCE) -> tuple[dict[Pair, BarycentricMap], list[MendedPair]]:
-        """The maps with wrong ones matched again from where all others say, and what became of each wrong pair."""
+        """The maps with wrong ones matched again from where all others say, and what became of each wrong pair.
+
+        What is found is kept in the store, and found again as long as the others say the same.
+        """
         surfaces, matched = self.surfaces(), self._matched()
         consistency = cycle_consistency(surfaces, matched)
-        return mended_maps(surfaces, matched, consistency, tolerance=tolerance, prepared=self.shape)
+        return mended_maps(surfaces, matched, consistency, tolerance=tolerance, register=self._kept_registration())
 
     def common(self, template: str, *, how: How = "matched", accept_unsure: bool = False) -> CommonShapes:
         """All shapes with the triangles of one of them, for means, modes and statistics, see `remesh_like`.
@@ -123,6 +141,27 @@ class Consistent(Results):
         """The same as a pandas DataFrame with columns shape, landmark, x, y, z; NaN where one has no image."""
         pandas = require_package("pandas", "collections", "Collection.landmark_table")
         return pandas.DataFrame(landmark_table(self.landmarks(landmarks, on, how=how)))
+
+    def _kept_registration(self) -> Registration:
+        """Matches from maps that are known in the large, each found once, and kept by these maps' content."""
+        shape_of = functools.cache(self.shape)
+        match_again = registration(shape_of)
+
+        def register(x: str, y: str, start: IndexArray, rival: IndexArray | None) -> MatchResult:
+            place = mended_place(self.settings, self._key(x), self._key(y), map_key(start, rival))
+            record = self.store.read(place)
+            if record is None:
+                started = time.process_time()
+                try:
+                    found = match_again(x, y, start, rival)
+                    new = record_of_match(found, shape_of(x), shape_of(y), time.process_time() - started)
+                except QgeoError as error:  # of these two shapes: it would come again
+                    new = Record({}, {PROBLEM: reason(error)})
+                self.store.write(place, new.arrays, new.values)
+                record = self.store.read(place)
+            return self._match_in(record, place, x, y)
+
+        return register
 
     def _matched(self) -> dict[Pair, BarycentricMap]:
         """Maps of all pairs that the store has; both ways of one match where the other way has none of its own."""

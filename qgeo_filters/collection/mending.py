@@ -5,15 +5,18 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
+from qgeo_filters._typing import IndexArray
 from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.collection.composition import Maps, Pair, checked_maps
 from qgeo_filters.collection.cycles import TOLERANCE, CycleConsistency
 from qgeo_filters.collection.synchronisation import synchronised_map
 from qgeo_filters.errors import QgeoError, reason
 from qgeo_filters.geodesics.pairs import paired_distances
+from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.restart import match_from
 from qgeo_filters.sampling import farthest_in_embedding
@@ -24,6 +27,10 @@ from qgeo_filters.surface import Surface
 _DEARER = 2.0
 # Points at which maps are compared.
 _POINTS = 80
+
+
+#: Match of two shapes, by name, from a map that is right in the large, with a rival or none; see `match_from`.
+Registration: TypeAlias = Callable[[str, str, IndexArray, IndexArray | None], MatchResult]
 
 
 @dataclass(frozen=True)
@@ -59,7 +66,7 @@ def mended_maps(
     consistency: CycleConsistency,
     *,
     tolerance: float = TOLERANCE,
-    prepared: Callable[[str], PreparedShape] | None = None,
+    register: Registration | None = None,
     workers: int | None = None,
 ) -> tuple[dict[Pair, BarycentricMap], list[MendedPair]]:
     """The maps with wrong ones matched again from the composed maps, and what became of each.
@@ -72,8 +79,9 @@ def mended_maps(
         Of these maps.
     tolerance : float
         Above which a pair is wrong, and within which a mended map must agree with the others, in sqrt(area).
-    prepared : callable, optional
-        Gives the prepared shape of a name, where they are at hand; each of a wrong pair is asked for once.
+    register : callable, optional
+        Takes the place of `match_from`, where prepared shapes or what was found before are at hand; takes the names of
+        two shapes, a map to start from and its rival, or None.
     workers : int, optional
 
     Returns
@@ -89,14 +97,24 @@ def mended_maps(
     chose the wrong one, and only keep out what strains or tears beyond that.
     """
     found = checked_maps(shapes, maps)
-    shape_of = functools.cache(prepared or (lambda name: PreparedShape(shapes[name])))
+    register = register or registration(lambda name: PreparedShape(shapes[name]), workers)
     report = []
     for x, y in consistency.wrong(tolerance):
-        pair, forth, back = _mended(x, y, shapes, found, consistency, tolerance, shape_of, workers)
+        pair, forth, back = _mended(x, y, shapes, found, consistency, tolerance, register, workers)
         report.append(pair)
         if forth is not None and back is not None:
             found |= {(x, y): forth, (y, x): back}
     return found, report
+
+
+def registration(shape_of: Callable[[str], PreparedShape], workers: int | None = None) -> Registration:
+    """`match_from` of shapes by name, each of which is asked for once."""
+    kept = functools.cache(shape_of)
+
+    def register(x: str, y: str, start: IndexArray, rival: IndexArray | None) -> MatchResult:
+        return match_from(kept(x), kept(y), start, rival=rival, workers=workers)
+
+    return register
 
 
 def _mended(
@@ -106,7 +124,7 @@ def _mended(
     maps: dict[Pair, BarycentricMap],
     consistency: CycleConsistency,
     tolerance: float,
-    shape_of: Callable[[str], PreparedShape],
+    register: Registration,
     workers: int | None,
 ) -> tuple[MendedPair, BarycentricMap | None, BarycentricMap | None]:
     def failed(why: str) -> tuple[MendedPair, None, None]:
@@ -119,7 +137,7 @@ def _mended(
     rival = maps.get((x, y))
     try:
         given = None if rival is None else rival.nearest_corner
-        new = match_from(shape_of(x), shape_of(y), start.nearest_corner, rival=given, workers=workers)
+        new = register(x, y, start.nearest_corner, given)
     except QgeoError as error:
         return failed(reason(error))
     some = farthest_in_embedding(shapes[x].vertices, min(_POINTS, shapes[x].n_vertices))

@@ -19,6 +19,8 @@ from qgeo_filters.collection.measures import (
 )
 from qgeo_filters.collection.members import Problem
 from qgeo_filters.collection.pair_arrays import match_of_record
+from qgeo_filters.collection.records import Record
+from qgeo_filters.collection.store import MENDED
 from qgeo_filters.collection.stored_shapes import StoredShapes
 from qgeo_filters.collection.tables import pair_table, square
 from qgeo_filters.collection.tasks import PROBLEM, pair_task
@@ -46,6 +48,8 @@ class Status:
         All; those with a map; sure maps; those that cannot be matched.
     seconds : float
         CPU time of the maps.
+    matched_again : int
+        Pairs that `Collection.mended` matched again, because they contradicted all others.
     """
 
     shapes: int
@@ -56,6 +60,7 @@ class Status:
     confident: int
     failed: int
     seconds: float
+    matched_again: int = 0
 
 
 class Results(StoredShapes):
@@ -81,11 +86,7 @@ class Results(StoredShapes):
             for failure in pair_task(str(self.store.root), self.settings, [keys], workers=None):
                 raise ParameterError(f"{x} - {y}: {failure.reason}")
             record = self.store.read(place)
-        if record is None:
-            raise OSError(f"{self.store.root / place} cannot be read after it was written")
-        if PROBLEM in record.values:
-            raise ParameterError(f"{x} - {y}: {record.values[PROBLEM]}")
-        return match_of_record(record, self.surface(x), self.surface(y))
+        return self._match_in(record, place, x, y)
 
     def table(self, truth: Truth | None = None, *, seconds: bool = False) -> Any:
         """A row for each pair that was matched, in the order of the names.
@@ -198,7 +199,21 @@ class Results(StoredShapes):
             sum(bool(values["confident"]) for values in matched),
             len(rows) - len(matched),
             float(sum(values["seconds"] for values in matched)),
+            self._matched_again(),
         )
+
+    def _match_in(self, record: Record | None, place: str, x: str, y: str) -> MatchResult:
+        """The match of two shapes that a record holds which must be there."""
+        if record is None:
+            raise OSError(f"{self.store.root / place} cannot be read after it was written")
+        if PROBLEM in record.values:
+            raise ParameterError(f"{x} - {y}: {record.values[PROBLEM]}")
+        return match_of_record(record, self.surface(x), self.surface(y))
+
+    def _matched_again(self) -> int:
+        """Number of pairs that `mended` has found a map for, right or not, from where the others say."""
+        keys = {self._key(name) for name in self.names}
+        return sum(len(keys.intersection(self.store.pairs_of(self.settings.how, key, MENDED))) for key in keys)
 
     def _pairs(self) -> Iterator[tuple[str, str, dict[str, Any]]]:
         """Names of the pairs that the store has, and the values of their records."""

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from qgeo_filters._typing import MirrorOption, PartialOption, RepairOption
 from qgeo_filters.errors import ParameterError
@@ -101,6 +102,12 @@ def surface_key(surface: Surface) -> str:
     digest.update(np.ascontiguousarray(surface.vertices, "<f8").data)
     digest.update(np.ascontiguousarray(surface.faces, "<i4").data)
     return digest.hexdigest()[:32]
+
+
+def map_key(*maps: npt.NDArray[np.int64] | None) -> str:
+    """Key of some maps by their content, None for one that is not there."""
+    lists = [None if one is None else one.astype("<i8").tobytes() for one in maps]
+    return _key("maps", *(None if one is None else hashlib.sha256(one).hexdigest() for one in lists))
 
 
 def _key(*parts: Any) -> str:

@@ -4,6 +4,7 @@
 ``surfaces/KEY/``         vertices and faces of a mesh, by their content
 ``shapes/KEY/``           the same prepared, by the key of its surface, the parameters and the code (`shape_arrays`)
 ``pairs/HOW/KEY/KEY/``    the match of two prepared shapes; HOW stands for the options of `match`
+``mended/HOW/KEY/KEY/``   the same from a map that others say, one for each such map and its rival, by their content
 ``matrices/KEY/``         distances between all vertices of a mesh
 ``unfinished/``           what is being written
 ========================  ==========================================================================================
@@ -40,7 +41,9 @@ from qgeo_filters.errors import ParameterError
 from qgeo_filters.surface import Surface
 
 _MARK = "qgeo_collection"
-_FOLDERS = ("surfaces", "shapes", "pairs", "matrices", UNFINISHED)
+#: Folder of the matches that began at what the maps of other pairs say.
+MENDED = "mended"
+_FOLDERS = ("surfaces", "shapes", "pairs", MENDED, "matrices", UNFINISHED)
 _ADVICE = "choose another folder, or delete it"
 
 
@@ -190,10 +193,10 @@ class Store:
             raise ParameterError(f"the mesh {key} is missing in {self.root}: build the collection again")
         return Surface(record.arrays["vertices"], record.arrays["faces"])
 
-    def pairs_of(self, how: str, x: str) -> Iterator[str]:
-        """Keys of the shapes that one was matched to, in no order."""
+    def pairs_of(self, how: str, x: str, folder: str = "pairs") -> Iterator[str]:
+        """Keys of the shapes that one was matched to (or, of `MENDED`, matched to again), in no order."""
         try:
-            with os.scandir(self.root / "pairs" / how / x) as found:
+            with os.scandir(self.root / folder / how / x) as found:
                 yield from (one.name for one in found if one.is_dir())
         except (FileNotFoundError, NotADirectoryError):
             return
@@ -212,3 +215,8 @@ def shape_place(key: str) -> str:
 def pair_place(settings: Settings, x: str, y: str) -> str:
     """Where the match of two prepared shapes is kept."""
     return f"pairs/{settings.how}/{x}/{y}"
+
+
+def mended_place(settings: Settings, x: str, y: str, maps: str) -> str:
+    """Where the match of two prepared shapes is kept that began at a map, by the key of that map and its rival."""
+    return f"{MENDED}/{settings.how}/{x}/{y}/{maps}"

@@ -109,6 +109,7 @@ _MEANINGS = {
     "prepared": "shapes with their distances and eigenfunctions in the store",
     "matched": "pairs whose map was found",
     "not_matched": "pairs that could not be matched",
+    "matched_again": "pairs that contradicted all others and were matched again from what those say",
     "cpu_seconds": "time that all processors spent on it",
     "landmarks": "points that were placed on one shape",
     "without_image": "landmarks that have no image on a shape",

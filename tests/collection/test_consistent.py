@@ -10,7 +10,7 @@ from small_collection import QUICK, poses
 
 import qgeo_filters as qg
 from qgeo_filters.barycentric import BarycentricMap
-from qgeo_filters.collection import tasks
+from qgeo_filters.collection import mending, tasks
 from qgeo_filters.errors import ParameterError
 
 pandas = pytest.importorskip("pandas")
@@ -74,6 +74,30 @@ def test_a_wrong_pair_is_named_and_matched_again(matched: qg.Collection, monkeyp
     assert errors({("p0", "p1"): mended["p0", "p1"]})[0] < 0.05
     assert errors({("p0", "p1"): right})[0] < 0.05
     assert errors({("p0", "p1"): forth})[0] > 0.3
+    # Kept in the store: another process asks for nothing anew, unless the maps have changed.
+    calls: list[int] = []
+    match_from = mending.match_from
+    monkeypatch.setattr(mending, "match_from", lambda *args, **kwargs: calls.append(1) or match_from(*args, **kwargs))
+    other = qg.Collection.open(matched.store.root)
+    monkeypatch.setattr(other, "map", map_of)
+    again, (same,) = other.mended()
+    assert not calls
+    assert same == pair
+    for key, place in mended.items():
+        for name in ("faces", "corners", "coordinates"):
+            np.testing.assert_array_equal(getattr(place, name), getattr(again[key], name))
+    assert other.status().matched_again == 1
+    forth = BarycentricMap.at_vertices(np.roll(shuffled, 1), y.faces, y.n_vertices)
+    other.mended()
+    assert len(calls) == 1
+    assert other.status().matched_again == 1
+
+
+def test_few_third_shapes_are_said(matched: qg.Collection) -> None:
+    assert matched.consistency().share == 1.0
+    few = matched.consistency(thirds=1, seed=3)
+    assert few.share == 0.5
+    np.testing.assert_array_equal(few.triangles, matched.consistency(thirds=1, seed=3).triangles)
 
 
 def test_one_connectivity_and_landmarks_on_all(matched: qg.Collection) -> None:

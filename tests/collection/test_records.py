@@ -62,7 +62,7 @@ def test_a_record_comes_back_bit_for_bit(root: Path) -> None:
 def test_zarr_alone_reads_all_of_it(root: Path, recwarn: pytest.WarningsRecorder) -> None:
     records.write_record(root, "pairs/how/a/b", ARRAYS, VALUES)
     group = zarr.open_group(str(root), mode="r")
-    assert {name for name, _ in group.members()} == {"surfaces", "shapes", "pairs", "matrices", "unfinished"}
+    assert {name for name, _ in group.members()} == {"surfaces", "shapes", "pairs", "mended", "matrices", "unfinished"}
     pair = group["pairs/how/a/b"]
     assert pair.attrs["score"] == VALUES["score"]
     assert pair.attrs["margin"] == "inf"

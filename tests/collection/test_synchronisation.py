@@ -10,7 +10,7 @@ import qgeo_filters as qg
 from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.closest_points import closest_points
 from qgeo_filters.collection.composition import along, checked_maps, composed
-from qgeo_filters.collection.cycles import CycleConsistency, cycle_consistency, message_passing
+from qgeo_filters.collection.cycles import CycleConsistency, chosen_triangles, cycle_consistency, message_passing
 from qgeo_filters.collection.spanning_tree import spanning_tree, template_maps, tree_maps
 from qgeo_filters.collection.synchronisation import synchronised_maps
 
@@ -40,7 +40,8 @@ def noisy(size: float, seed: int = 0) -> dict[tuple[str, str], BarycentricMap]:
 def test_true_maps_have_no_inconsistency():
     found = cycle_consistency(FAMILY, TRUE)
     off = ~np.eye(len(NAMES), dtype=bool)
-    assert np.nanmax(found.triangles) == 0
+    assert found.gaps.tolist() == [0.0] * (6 * 5 * 4)
+    assert found.share == 1.0
     assert (found.inconsistency[off] == 0).all()
     assert np.isnan(np.diag(found.inconsistency)).all()
     assert found.wrong() == []
@@ -65,23 +66,59 @@ def test_gaps_of_triangles_are_geodesic_distances():
     maps["a", "c"] = np.where(np.arange(n) == 5, 30, np.arange(n))
     found = cycle_consistency(shapes, maps, points=n)
     distance = qg.distances(shapes["c"], [5])[0, 30] / np.sqrt(shapes["c"].area)
-    assert found.triangles[0, 2, 1] == pytest.approx(distance / n, rel=1e-5)
+    at = np.flatnonzero((found.triangles == [0, 2, 1]).all(axis=1))
+    assert found.gaps[at] == pytest.approx([distance / n], rel=1e-5)
 
 
-def test_blame_is_found_where_half_of_the_triangles_are_wrong():
-    """Gaps of a model: two maps agree if both are right, else they are as far apart as the worse of them is wrong."""
-    m, rng = 12, np.random.default_rng(3)
+def model_gaps(m: int, bad: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Which of the pairs are wrong, and gaps: as far apart as the worst of a triangle's three maps is wrong."""
     wrong = np.zeros((m, m), dtype=bool)
-    for i, j in rng.permutation(np.column_stack(np.triu_indices(m, 1)))[:14]:
+    for i, j in np.random.default_rng(seed).permutation(np.column_stack(np.triu_indices(m, 1)))[:bad]:
         wrong[i, j] = wrong[j, i] = True
     error = np.where(wrong, 0.3, 0.01)
     gaps = np.maximum(np.maximum(error[:, :, None], error[:, None, :]), error.T[None, :, :])
     for i in range(m):
         gaps[i, i, :] = gaps[i, :, i] = gaps[:, i, i] = np.nan
-    blame = message_passing(gaps)
+    return wrong, gaps
+
+
+def test_blame_is_found_where_half_of_the_triangles_are_wrong():
+    m = 12
+    wrong, gaps = model_gaps(m, 14, seed=3)
+    triangles = np.argwhere(np.isfinite(gaps))
+    blame = message_passing(m, triangles, gaps[tuple(triangles.T)])
     off = ~np.eye(m, dtype=bool)
     assert (np.nanmedian(gaps[off & ~wrong], axis=1) > 0.05).any()  # the median over triangles would not do
     assert ((blame > 0.15) == wrong)[off].all()
+    assert np.array_equal(blame, blame.T, equal_nan=True)
+
+
+def test_a_sample_of_the_triangles_finds_the_same_wrong_maps():
+    """Every map of ninety shapes is judged by 48 others; the sixth part of all maps is wrong."""
+    m = 90
+    wrong, gaps = model_gaps(m, m * (m - 1) // 12, seed=0)
+    pairs = {(x, y) for x in range(m) for y in range(m) if x != y}
+    triangles, share = chosen_triangles(range(m), pairs, 48, seed=0)
+    assert share == pytest.approx(48 / (m - 2))
+    assert len(np.unique(triangles, axis=0)) == len(triangles) == m * (m - 1) * 48
+    assert all(len({*row}) == 3 for row in triangles.tolist())
+    blame = message_passing(m, triangles, gaps[tuple(triangles.T)])
+    assert ((blame > 0.15) == wrong)[~np.eye(m, dtype=bool)].all()
+
+
+def test_sampled_triangles_are_said_and_their_gaps_are_those_of_all():
+    every = cycle_consistency(FAMILY, with_wrong_pairs())
+    few = cycle_consistency(FAMILY, with_wrong_pairs(), thirds=3, seed=1)
+    assert (every.share, few.share) == (1.0, 0.75)
+    assert "75 % of all" in repr(few)
+    assert "of all" not in repr(every)
+    gap_of = dict(zip(map(tuple, every.triangles.tolist()), every.gaps, strict=True))
+    assert len(few.gaps) == 6 * 5 * 3
+    assert few.gaps.tolist() == [gap_of[tuple(row)] for row in few.triangles.tolist()]
+    assert np.array_equal(few.triangles, cycle_consistency(FAMILY, with_wrong_pairs(), thirds=3, seed=1).triangles)
+    assert not np.array_equal(few.triangles, cycle_consistency(FAMILY, with_wrong_pairs(), thirds=3).triangles)
+    with pytest.raises(qg.ParameterError, match="thirds must be at least 1, or None for all, got 0"):
+        cycle_consistency(FAMILY, TRUE, thirds=0)
 
 
 def test_pairs_without_a_triangle_are_not_judged():
