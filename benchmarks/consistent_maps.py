@@ -1,12 +1,15 @@
-"""Errors of all maps of a category before and after synchronisation, and which pairs were found wrong, as Markdown.
+"""Errors of all maps of shapes before and after synchronisation, and which pairs were found wrong, as Markdown.
 
     python benchmarks/consistent_maps.py ROOT --category victoria --store DIR
+    python benchmarks/consistent_maps.py faust_r --shapes 6 --store DIR
 
-ROOT as for ``matching.py``. Each pair is matched once, the map back being that of the same match; finished matches are
-kept in DIR. Rows: maps as they were matched; after wrong pairs were matched again (`mended_maps`); along the tree of
-least inconsistency; through the shape that disagrees least; the middle of all ways (`synchronised_maps`) of the
-maps as matched. Errors are direct, in units of sqrt(area), at nearest vertices; "wrong" is a mean
-above .1; "better" is the share of the maps with a lower error than as matched.
+ROOT as for ``matching.py``, of which a category is taken; or a set of shapes that share a template (``NAME.off`` and
+``corres/NAME.vts``). Of either at most so many shapes are taken, in the order of their names. Each pair is matched
+once, the map back being that of the same match; finished matches are kept in DIR. Rows: maps as they were matched;
+after wrong pairs were matched again (`mended_maps`); along the tree of least inconsistency; through the shape that
+disagrees least; the middle of all ways (`synchronised_maps`) of the maps as matched. Errors are direct, in units of
+sqrt(area), at nearest vertices; "wrong" is a mean above .1; "better" is the share of the maps with a lower error than
+as matched.
 """
 
 from __future__ import annotations
@@ -27,16 +30,27 @@ from qgeo_filters.collection.mending import mended_maps
 from qgeo_filters.collection.spanning_tree import spanning_tree, template_maps, tree_maps
 from qgeo_filters.collection.synchronisation import synchronised_maps
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
+from qgeo_filters.evaluation.datasets import Dataset
+from qgeo_filters.evaluation.template_datasets import VtsDataset
 
 WRONG = 0.1
 
 
-def matched(data: ToscaRemeshed, names: list[str], store: Path) -> dict[Pair, BarycentricMap]:
+def opened(root: Path, category: str) -> tuple[Dataset, list[str]]:
+    """A data set, and the shapes of it."""
+    if (root / "remeshed").is_dir():
+        tosca = ToscaRemeshed(root)
+        return tosca, tosca.names(category)
+    others = VtsDataset(root)
+    return others, others.names()
+
+
+def matched(data: Dataset, names: list[str], store: Path) -> dict[Pair, BarycentricMap]:
     """Maps in both directions of each pair, from the store or matched now."""
     store.mkdir(parents=True, exist_ok=True)
     prepared: dict[str, qg.PreparedShape] = {}
     maps = {}
-    for x, y in combinations(sorted(names), 2):
+    for x, y in combinations(names, 2):
         file = store / f"{x}-{y}.npz"
         if not file.is_file():
             for name in (x, y):
@@ -49,7 +63,7 @@ def matched(data: ToscaRemeshed, names: list[str], store: Path) -> dict[Pair, Ba
 
 
 def errors(
-    data: ToscaRemeshed, names: list[str], shapes: dict[str, qg.Surface], rows: dict[str, dict[Pair, BarycentricMap]]
+    data: Dataset, names: list[str], shapes: dict[str, qg.Surface], rows: dict[str, dict[Pair, BarycentricMap]]
 ) -> dict[str, dict[Pair, float]]:
     """Mean error of each map of each row."""
     found: dict[str, dict[Pair, float]] = {row: {} for row in rows}
@@ -67,12 +81,13 @@ def errors(
 def main() -> None:
     """Print the table, and a line for each pair that was found wrong, or was wrong and not found."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("root")
+    parser.add_argument("root", type=Path)
     parser.add_argument("--category", default="victoria")
+    parser.add_argument("--shapes", type=int)
     parser.add_argument("--store", type=Path, required=True)
     arguments = parser.parse_args()
-    data = ToscaRemeshed(arguments.root)
-    names = data.names(arguments.category)
+    data, names = opened(arguments.root, arguments.category)
+    names = sorted(names[: arguments.shapes])
     shapes = {name: data.read(name) for name in names}
     maps = matched(data, names, arguments.store)
     started = time.process_time()
@@ -91,7 +106,7 @@ def main() -> None:
     }
     print(f"<!-- and all else: {time.process_time() - started:.0f} CPU s -->", flush=True)
     found = errors(data, names, shapes, rows)
-    print(f"{machine()}; {arguments.category}, {len(maps)} maps\n")
+    print(f"{machine()}; {names[0]} to {names[-1]}, {len(names)} shapes, {len(maps)} maps\n")
     print("| maps | mean | median | worst | wrong | better |")
     print("| --- | ---: | ---: | ---: | ---: | ---: |")
     before = np.array(list(found["as matched"].values()))

@@ -1,33 +1,36 @@
 """Retrieval on TOSCA's nine categories of ``lowres``: nearest neighbour, first and second tier, mAP, as Markdown.
 
-    python benchmarks/retrieval.py ROOT [--per-category 3] [--store DIR] [--c-xy]
+    python benchmarks/retrieval.py ROOT [--store DIR] [--per-category 3] [--workers 1]
 
 ROOT holds ``lowres`` (``.vert`` and ``.tri``). The shapes are repaired where they need it, the groups are the
-categories. Rows: ShapeDNA (the first 50 eigenvalues of the Laplace-Beltrami operator of the unit-area shape,
-compared by the root mean square of their relative differences), by LaPy where it is installed and by
-`laplacian_spectrum`; the first 20 eigenvalues of the quasi-geodesic distances in the same way; and with ``--c-xy``
-C_XY of `match`, whose finished pairs are kept in DIR: one pair takes about as long as everything else of a shape.
+categories. Two tables. The first is of all shapes, by what needs no map: ShapeDNA (the first 50 eigenvalues of the
+Laplace-Beltrami operator of the unit-area shape, compared by the root mean square of their relative differences), by
+LaPy where it is installed and by `laplacian_spectrum`; and the first 20 eigenvalues of the quasi-geodesic distances
+(`distance_spectrum`) in the same way. The second, with ``--store``, is of the first few shapes of each category, by
+these and by `Collection.distances`: every pair is matched once (as whole shapes, orientation kept), and what is
+finished stays in DIR, so that a run that was killed goes on.
 """
 
 from __future__ import annotations
 
 import argparse
 import importlib.util
-import json
-from itertools import combinations
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
 from record import machine
 
 import qgeo_filters as qg
-from qgeo_filters.atomic import atomic_path
+from qgeo_filters.collection.settings import surface_key
 from qgeo_filters.errors import QgeoError
 from qgeo_filters.evaluation import ToscaLowres, retrieval_scores
 from qgeo_filters.hosts.dispatch import surface_and_repair
 from qgeo_filters.surface import Surface
 
 DNA, GAMMA = 50, 20
+# Names of `Collection.distances`, those that need no map last.
+MEASURES = ("c_xy", "d_s", "distortion", "eigenvalues", "shape_dna")
 
 
 def dna(shape: Surface) -> np.ndarray:
@@ -53,66 +56,86 @@ def by_relative_difference(rows: np.ndarray) -> np.ndarray:
     return np.sqrt((((rows[:, None] - rows[None]) / size) ** 2).mean(axis=2))
 
 
-def by_c_xy(shapes: dict[str, Surface], store: Path) -> np.ndarray:
-    """C_XY of all pairs, (m, m), each kept in the store; infinite where there is no match."""
-    store.mkdir(parents=True, exist_ok=True)
-    prepared: dict[str, qg.PreparedShape] = {}
-    names = list(shapes)
-    square = np.zeros((len(names), len(names)))
-    for i, j in combinations(range(len(names)), 2):
-        x, y = names[i], names[j]
-        file = store / f"{x}-{y}.json"
-        if not file.is_file():
-            for name in (x, y):
-                if name not in prepared:
-                    prepared[name] = qg.PreparedShape(shapes[name])
-            try:
-                value = qg.match(prepared[x], prepared[y]).c_xy
-            except QgeoError as error:
-                print(f"<!-- {x} - {y}: {error} -->", flush=True)
-                value = float("inf")
-            with atomic_path(file) as path:
-                path.write_text(json.dumps(value))
-        square[i, j] = square[j, i] = json.loads(file.read_text())
-    return square
+def read(data: ToscaLowres) -> dict[str, Surface]:
+    """All shapes that can be read, repaired where they need it; of equal ones the first."""
+    shapes: dict[str, Surface] = {}
+    first: dict[str, str] = {}
+    for name in data.names():
+        try:
+            mesh = data.read(name)
+            given, repair = surface_and_repair(mesh, "auto")
+        except QgeoError as error:
+            print(f"<!-- left out: {Path(str(error)).name} -->")
+            continue
+        same = first.setdefault(surface_key(mesh), name)
+        if same != name:
+            print(f"<!-- left out: {name} holds the same mesh as {same} -->")
+            continue
+        shapes[name] = given if repair is None else repair.surface
+    return shapes
+
+
+def without_maps(shapes: Mapping[str, Surface]) -> dict[str, np.ndarray]:
+    """Rows of eigenvalues of all shapes, by the name of the distance."""
+    ways: dict[str, Callable[[Surface], np.ndarray]] = {"ShapeDNA, laplacian_spectrum, 50": dna}
+    if importlib.util.find_spec("lapy"):
+        ways["ShapeDNA, LaPy, 50"] = dna_of_lapy
+    ways["distance_spectrum, 20"] = gamma
+    return {name: np.stack([way(shape) for shape in shapes.values()]) for name, way in ways.items()}
+
+
+def table(squares: Mapping[str, np.ndarray], groups: list[str]) -> None:
+    """Print a row for each distance."""
+    print("| distance | nearest neighbour | first tier | second tier | mAP |")
+    print("| --- | ---: | ---: | ---: | ---: |")
+    for name, square in squares.items():
+        found = retrieval_scores(square, groups)
+        scores = found.nearest_neighbor, found.first_tier, found.second_tier, found.mean_average_precision
+        print(f"| {name} | {' | '.join(f'{100 * score:.1f}' for score in scores)} |", flush=True)
+
+
+def by_maps(shapes: Mapping[str, Surface], groups: dict[str, str], store: Path, workers: int) -> dict[str, np.ndarray]:
+    """Squares of all measures of a collection, all pairs matched."""
+    collection = qg.Collection(shapes, store, groups=groups, partial=False, mirror="no")
+    collection.match(workers=workers)
+    status = collection.status()
+    print(f"<!-- {status.matched} of {status.pairs} pairs, {status.confident} sure, {status.seconds:.0f} CPU s -->")
+    for problem in collection.problems:
+        if problem.lost:
+            print(f"<!-- {problem} -->")
+    return {name: collection.distances(name).to_numpy() for name in MEASURES}
 
 
 def main() -> None:
-    """Print a row for each distance."""
+    """Print both tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root", type=Path)
-    parser.add_argument("--per-category", type=int, help="the first so many of each; all by default")
-    parser.add_argument("--store", type=Path, default=Path("retrieval-pairs"))
-    parser.add_argument("--c-xy", action="store_true")
+    parser.add_argument("--store", type=Path, help="of the maps; without it none are sought")
+    parser.add_argument("--per-category", type=int, default=3, help="of the second table: the first so many of each")
+    parser.add_argument("--workers", type=int, default=1, help="processes")
+    parser.add_argument("--only-maps", action="store_true", help="match, and print nothing")
     arguments = parser.parse_args()
     data = ToscaLowres(arguments.root / "lowres")
-    shapes = {}
-    for category in data.categories:
-        for name in data.names(category)[: arguments.per_category]:
-            try:
-                given, repair = surface_and_repair(data.read(name), "auto")
-            except QgeoError as error:
-                print(f"<!-- left out: {error} -->")
-                continue
-            shapes[name] = given if repair is None else repair.surface
-    groups = [data.category(name) for name in shapes]
-    squares = {
-        "ShapeDNA, laplacian_spectrum": lambda: by_relative_difference(np.stack([dna(s) for s in shapes.values()]))
-    }
-    if importlib.util.find_spec("lapy"):
-        squares["ShapeDNA, LaPy"] = lambda: by_relative_difference(np.stack([dna_of_lapy(s) for s in shapes.values()]))
-    squares["eigenvalues of the distances"] = lambda: by_relative_difference(
-        np.stack([gamma(s) for s in shapes.values()])
-    )
-    if arguments.c_xy:
-        squares["C_XY of match"] = lambda: by_c_xy(shapes, arguments.store)
-    print(f"{machine()}; {len(shapes)} shapes of {len(set(groups))} categories\n")
-    print("| distance | nearest neighbour | first tier | second tier | mAP |")
-    print("| --- | ---: | ---: | ---: | ---: |")
-    for name, make in squares.items():
-        found = retrieval_scores(make(), groups)
-        scores = found.nearest_neighbor, found.first_tier, found.second_tier, found.mean_average_precision
-        print(f"| {name} | {' | '.join(f'{100 * score:.1f}' for score in scores)} |", flush=True)
+    shapes = read(data)
+    of = {name: data.category(name) for name in shapes}
+    fellows = {group: [name for name in shapes if of[name] == group] for group in data.categories}
+    some = [name for members in fellows.values() for name in members[: arguments.per_category]]
+    if arguments.only_maps:
+        by_maps({name: shapes[name] for name in some}, {n: of[n] for n in some}, arguments.store, arguments.workers)
+        return
+    rows = without_maps(shapes)
+    print(f"{machine()}; {len(shapes)} shapes of {len(fellows)} categories\n")
+    table({name: by_relative_difference(of_all) for name, of_all in rows.items()}, list(of.values()))
+    if arguments.store:
+        chosen = {name: shapes[name] for name in some}
+        groups = {name: of[name] for name in some}
+        squares = by_maps(chosen, groups, arguments.store, arguments.workers)
+        print(f"\n{len(some)} shapes: {', '.join(some)}\n")
+        at = [list(shapes).index(name) for name in some]
+        squares = {f"`{name}`": square for name, square in squares.items()}
+        table(
+            squares | {name: by_relative_difference(of_all[at]) for name, of_all in rows.items()}, list(groups.values())
+        )
 
 
 if __name__ == "__main__":
