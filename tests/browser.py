@@ -213,3 +213,24 @@ def drag(page: Any, element: Any, dx: float, dy: float, *, release: bool = True)
         page.mouse.move(x + dx * step / 8, y + dy * step / 8)
     if release:
         page.mouse.up()
+
+
+class Fingers:
+    """Fingers on a page whose context has touch, through Chromium's own protocol: `page.touchscreen` only taps."""
+
+    def __init__(self, page: Any) -> None:
+        self._session = page.context.new_cdp_session(page)
+
+    def move(self, *ways: tuple[tuple[float, float], tuple[float, float]], steps: int = 8) -> None:
+        """Put a finger down at the start of each way, bring all to the ends together, and lift them."""
+        for step in range(steps + 1):
+            share = step / steps
+            points = [
+                {"x": a + share * (c - a), "y": b + share * (d - b), "id": number}
+                for number, ((a, b), (c, d)) in enumerate(ways)
+            ]
+            self._send("touchStart" if step == 0 else "touchMove", points)
+        self._send("touchEnd", [])
+
+    def _send(self, kind: str, points: list[dict[str, float]]) -> None:
+        self._session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})

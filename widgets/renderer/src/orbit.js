@@ -60,7 +60,7 @@ export class Orbit {
     element.addEventListener('pointerdown', (event) => {
       element.setPointerCapture(event.pointerId);
       pointers.set(event.pointerId, event);
-      if (pointers.size === 1) travelled = 0;
+      travelled = pointers.size === 1 ? 0 : Infinity;  /* Of several fingers none clicks. */
       painting = pointers.size === 1 && event.button === 0 && paints(event);
     });
     element.addEventListener('pointermove', (event) => {
