@@ -105,6 +105,16 @@ def lab(folder: Path) -> Server:
     return Server(command, folder, "/api/status")
 
 
+def notebook(folder: Path) -> Server:
+    """Jupyter Notebook 7 on the notebooks of a folder."""
+    command = [
+        "notebook", "--expose-app-in-browser", "--no-browser", "--allow-root", "--ServerApp.ip=127.0.0.1",
+        "--ServerApp.port={port}", "--ServerApp.port_retries=0", "--IdentityProvider.token=",
+        "--ServerApp.root_dir={folder}",
+    ]  # fmt: skip
+    return Server(command, folder, "/api/status")
+
+
 def voila(folder: Path, name: str) -> Server:
     """Voila on one notebook of a folder."""
     command = ["voila", "--no-browser", "--port={port}", "--Voila.ip=127.0.0.1", name]
@@ -112,12 +122,12 @@ def voila(folder: Path, name: str) -> Server:
 
 
 class Notebook:
-    """A notebook that is open in JupyterLab and has been run."""
+    """A notebook that is open in JupyterLab, or in Notebook 7 with ``tree="notebooks"``, and has been run."""
 
-    def __init__(self, page: Any, server: Server, name: str, cells: Sequence[str]) -> None:
+    def __init__(self, page: Any, server: Server, name: str, cells: Sequence[str], tree: str = "lab/tree") -> None:
         self.page = page
         write_notebook(server.folder / name, cells)
-        page.goto(f"{server.url}/lab/tree/{name}?reset", timeout=PATIENCE)
+        page.goto(f"{server.url}/{tree}/{name}?reset", timeout=PATIENCE)
         page.wait_for_function("() => window.jupyterapp", timeout=PATIENCE)
         page.evaluate("async () => { await window.jupyterapp.restored }")
         page.wait_for_function(
@@ -128,7 +138,8 @@ class Notebook:
             }""",
             timeout=PATIENCE,
         )
-        page.evaluate("() => window.jupyterapp.commands.execute('application:toggle-left-area')")
+        if tree == "lab/tree":
+            page.evaluate("() => window.jupyterapp.commands.execute('application:toggle-left-area')")
         page.evaluate("() => window.jupyterapp.commands.execute('notebook:run-all-cells')")
 
     def python(self, code: str) -> str:

@@ -6,6 +6,7 @@ import base64
 import gzip
 import json
 import re
+from html import unescape
 from types import SimpleNamespace
 
 import browser as tools
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 import shapes
 
+import qgeo_filters as qg
 import qgeo_widgets as qw
 from qgeo_filters import Animation, Surface
 from qgeo_filters.animation.transfer import Transfer
@@ -337,3 +339,20 @@ def test_animation_page_plays_both_shapes_at_one_time(pair, tmp_path, offline):
     tools.until(lambda: 0.5 < float(shown.inner_text()) < 3.5)
     tools.drag(page, canvases[1], 40, 10)  # turns while it plays
     play.click()
+
+
+def test_an_embedded_page_is_that_of_the_file(pair, tmp_path):
+    widget = qw.compare(*pair[:2], p2p=pair[2])
+    widget.to_html(tmp_path / "page.html", modes=["attribute: height"])
+    shown = widget.embed(modes=["attribute: height"], height=500)._repr_html_()
+    before, text, after = re.fullmatch(r'(.*srcdoc=")([^"]*)("[^"]*"[^"]*".*)', shown, re.DOTALL).groups()
+    assert unescape(text) == (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "height:500px" in after
+    assert before.startswith("<div><iframe title=")
+    with pytest.raises(qg.ParameterError, match="height must be"):
+        widget.embed(height=3)
+    with pytest.raises(qg.ParameterError, match="unknown modes"):
+        widget.embed(modes=["none"])
+    widget.close()
+    with pytest.raises(qg.ParameterError, match="nothing"):
+        widget.embed()

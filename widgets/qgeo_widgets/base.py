@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from html import escape
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import ipywidgets
 import traitlets
-from IPython.display import display
+from IPython.display import HTML, display
 
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import ParameterError
@@ -21,6 +22,9 @@ from qgeo_widgets.rendering.disposal import close_tree
 from qgeo_widgets.rendering.viewer import Viewer, checked_camera
 from qgeo_widgets.saved_image import LIVE, display_with_image
 from qgeo_widgets.snapshot_figure import Chart, Picture
+
+if TYPE_CHECKING:
+    from qgeo_widgets.export import Page
 
 
 def chosen(vertex: int | None) -> int:
@@ -127,7 +131,37 @@ class ShapeWidget(ColoredWidget):
         modes : sequence of str, optional
             Which modes the page offers; by default all of `modes` that can be shown now.
         """
-        from qgeo_widgets.export import Page, write_page
+        from qgeo_widgets.export import write_page
+
+        page = self._page(modes)
+        write_page(path, self._open_viewer, page, data_url(self.snapshot()))
+
+    def embed(self, *, modes: Sequence[str] | None = None, height: int = 760) -> HTML:
+        """The page of `to_html` as the output of a cell: live without a kernel, and offline in what nbconvert makes.
+
+        Parameters
+        ----------
+        modes : sequence of str, optional
+            Which modes the page offers, as of `to_html`.
+        height : int
+            Of the frame that holds the page, in pixels, as wide as the cell.
+
+        Returns
+        -------
+        IPython.display.HTML
+            The last line of a cell shows it. The notebook grows by the whole page, about a megabyte.
+        """
+        from qgeo_widgets.export import page_text
+
+        checked_count(height, 100, 10_000, "height")
+        page = self._page(modes)
+        text = escape(page_text(self._open_viewer, page, data_url(self.snapshot())))
+        style = f"width:100%;height:{height}px;border:0"
+        return HTML(f'<div><iframe title="{escape(page.title)}" srcdoc="{text}" style="{style}"></iframe></div>')
+
+    def _page(self, modes: Sequence[str] | None) -> Page:
+        """What a page shows of this widget."""
+        from qgeo_widgets.export import Page
 
         if self._viewer is None:
             raise ParameterError(f"there is nothing to write: {self.message}")
@@ -138,7 +172,7 @@ class ShapeWidget(ColoredWidget):
         for name in chosen:
             if self._missing(name):
                 raise ParameterError(f"mode {name!r} cannot be written yet. {self._missing(name)}")
-        page = Page(
+        return Page(
             title=self._page_title,
             names=self._titles,
             modes=[(name, [self._modes[name](k + 1) for k in range(self._columns(name))]) for name in chosen],
@@ -147,7 +181,6 @@ class ShapeWidget(ColoredWidget):
             limits=self.limits,
             **{"info": self._info.value, **self._page_extras()},
         )
-        write_page(path, self._viewer, page, data_url(self.snapshot()))
 
     def close(self) -> None:
         """Free everything, here and in the browser; what runs is cancelled."""
