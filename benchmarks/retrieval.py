@@ -75,6 +75,24 @@ def read(data: ToscaLowres) -> dict[str, Surface]:
     return shapes
 
 
+def sampled(fellows: Mapping[str, list[str]], shapes: Mapping[str, Surface], count: int) -> list[str]:
+    """The first shapes of each category that can be matched: one-sided ones cannot."""
+    chosen: list[str] = []
+    for members in fellows.values():
+        kept = 0
+        for name in members:
+            if kept == count:
+                break
+            try:
+                qg.PreparedShape(shapes[name])
+            except QgeoError as error:
+                print(f"<!-- cannot be matched: {name}, {str(error)[:90]} ... -->")
+                continue
+            chosen.append(name)
+            kept += 1
+    return chosen
+
+
 def without_maps(shapes: Mapping[str, Surface]) -> dict[str, np.ndarray]:
     """Rows of eigenvalues of all shapes, by the name of the distance."""
     ways: dict[str, Callable[[Surface], np.ndarray]] = {"ShapeDNA, laplacian_spectrum, 50": dna}
@@ -119,7 +137,7 @@ def main() -> None:
     shapes = read(data)
     of = {name: data.category(name) for name in shapes}
     fellows = {group: [name for name in shapes if of[name] == group] for group in data.categories}
-    some = [name for members in fellows.values() for name in members[: arguments.per_category]]
+    some = sampled(fellows, shapes, arguments.per_category) if arguments.store else []
     if arguments.only_maps:
         by_maps({name: shapes[name] for name in some}, {n: of[n] for n in some}, arguments.store, arguments.workers)
         return

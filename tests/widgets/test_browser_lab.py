@@ -273,3 +273,37 @@ def test_a_region_is_painted_by_dragging(books, pair):
     page.get_by_role("button", name="wipe").click()
     tools.until(lambda: book.python("print(len(w.painted))") == "0")
     book.python("w.close()")
+
+
+def test_on_a_telephone_nothing_is_cut_off_and_a_finger_turns(chromium, lab, pair):
+    x, y, where = pair
+    x.write(lab.folder / "x.ply")
+    y.write(lab.folder / "y.ply")
+    np.save(lab.folder / "where.npy", where)
+    size = {"width": 390, "height": 844}
+    page = chromium.new_context(viewport=size, has_touch=True, is_mobile=True, device_scale_factor=2).new_page()
+    load = (
+        "import numpy as np, qgeo_filters as qg, qgeo_widgets as qw\n"
+        "x, y, where = qg.Surface.read('x.ply'), qg.Surface.read('y.ply'), np.load('where.npy')"
+    )
+    book = tools.Notebook(page, lab, "telephone.ipynb", [load])
+    book.show("w = qw.compare(x, y, p2p=where)\nw")
+    first, second = book.canvases(2)
+    boxes = first.bounding_box(), second.bounding_box()
+    assert boxes[0]["x"] == boxes[1]["x"]
+    assert boxes[0]["y"] + boxes[0]["height"] <= boxes[1]["y"]
+    output = page.locator(".jp-OutputArea-output:has(.qgeo-view)").first
+    for mode in sorted(book.python("print(*w.modes, sep='\\n')").splitlines(), key="eigenfunction".__eq__):
+        book.python(f"w.mode = {mode!r}")
+        page.wait_for_timeout(300)
+        widths = output.evaluate("e => [e.scrollWidth, e.clientWidth]")
+        assert widths[0] <= widths[1] + 1, mode
+    bar = page.locator('.widget-html-content [style*="linear-gradient(to right"]').first
+    assert bar.bounding_box()["width"] > 200
+    before = tools.settled(first)
+    box = first.bounding_box()
+    across, down = (box["x"] + 0.4 * box["width"], box["x"] + 0.6 * box["width"]), box["y"] + box["height"] / 2
+    tools.Fingers(page).move(((across[0], down), (across[1], down)))
+    tools.until(lambda: np.abs(tools.pixels(first) - before).mean() > 1)
+    tools.until(lambda: book.python("print(w.camera != w._viewer.home)") == "True")
+    page.context.close()

@@ -7,6 +7,9 @@ from html import escape
 
 import ipywidgets
 
+# Left and right of what may be as wide as its row.
+_LEFT, _RIGHT = 2, 14
+
 
 def choice(label: str, options: Sequence[str], value: str) -> ipywidgets.Dropdown:
     """Dropdown list with a label."""
@@ -15,7 +18,7 @@ def choice(label: str, options: Sequence[str], value: str) -> ipywidgets.Dropdow
         value=value,
         description=label,
         style={"description_width": "auto"},
-        layout={"width": "auto", "max_width": "340px", "margin": "2px 14px 2px 2px"},
+        layout=at_most("340px") | {"width": "auto"},
     )
 
 
@@ -27,12 +30,20 @@ def whole(label: str, value: int, low: int, high: int) -> ipywidgets.IntSlider:
         max=high,
         description=label,
         style={"description_width": "auto"},
-        layout={"width": "250px", "margin": "2px 14px 2px 2px"},
+        layout=at_most("250px"),
     )
 
 
 def number(
-    label: str, value: float, low: float, high: float, step: float, *, live: bool = True, digits: str = ".3f"
+    label: str,
+    value: float,
+    low: float,
+    high: float,
+    step: float,
+    *,
+    live: bool = True,
+    digits: str = ".3f",
+    width: str = "330px",
 ) -> ipywidgets.FloatSlider:
     """Slider over numbers; one that is not live reports when it is let go."""
     return ipywidgets.FloatSlider(
@@ -44,7 +55,7 @@ def number(
         continuous_update=live,
         readout_format=digits,
         style={"description_width": "auto"},
-        layout={"width": "330px", "margin": "2px 14px 2px 2px"},
+        layout=at_most(width),
     )
 
 
@@ -61,7 +72,7 @@ def span() -> ipywidgets.FloatRangeSlider:
         description="range %",
         readout_format=".0f",
         style={"description_width": "auto"},
-        layout={"width": "380px", "margin": "2px 14px 2px 2px"},
+        layout=at_most("380px"),
     )
 
 
@@ -79,6 +90,12 @@ def tick(label: str, value: bool, tooltip: str) -> ipywidgets.Checkbox:
 def button(label: str, tooltip: str) -> ipywidgets.Button:
     """Button as wide as its text."""
     return ipywidgets.Button(description=label, tooltip=tooltip, layout={"width": "auto", "margin": "2px 6px 2px 2px"})
+
+
+def at_most(width: str) -> dict[str, str]:
+    """Layout of a control that is so wide, but no wider than its row: that of a telephone, say."""
+    room = f"min({width}, calc(100% - {_LEFT + _RIGHT}px))"
+    return {"width": width, "max_width": room, "margin": f"2px {_RIGHT}px 2px {_LEFT}px"}
 
 
 def row(*children: ipywidgets.Widget) -> ipywidgets.HBox:

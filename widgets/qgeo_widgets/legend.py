@@ -12,7 +12,9 @@ from matplotlib.ticker import MaxNLocator
 from qgeo_filters.report.colors import MISSING, ColorScale
 
 _STOPS = 24
-_WIDTH = 340
+# Of the bar; on a telephone what JupyterLab leaves of its width, of which 118 pixels are beside the cell and 48 beside
+# the bar. Not a share of the row: where that is as wide as what is in it there would be no width at all.
+_WIDTH = "min(340px, calc(100vw - 170px))"
 
 
 def color_bar(scale: ColorScale, label: str, *, missing: bool = False) -> str:
@@ -26,7 +28,7 @@ def color_bar(scale: ColorScale, label: str, *, missing: bool = False) -> str:
     )
     note = f"&ensp;{_swatch(np.array(MISSING))} no value" if missing else ""
     return (
-        f'<div style="width:{_WIDTH}px;padding:0 24px 2px;font-size:12px;line-height:1.3">'
+        f'<div style="width:{_WIDTH};padding:0 24px 2px;font-size:12px;line-height:1.3">'
         f'<div style="padding-bottom:3px">{escape(label)}{note}</div>'
         f'<div style="height:12px;border:1px solid rgba(128,128,128,.6);'
         f'background:linear-gradient(to right, {gradient})"></div>'

@@ -38,13 +38,18 @@ class Player:
         self.button.icon = "play"
         digits = 2 if span <= 0 else max(0, 2 - int(np.floor(np.log10(span))))
         self.slider = controls.number(
-            "time", self._first, self._first, self._last, span / 1000 or 1.0, digits=f".{min(digits, 6)}f"
+            "time",
+            self._first,
+            self._first,
+            self._last,
+            span / 1000 or 1.0,
+            digits=f".{min(digits, 6)}f",
+            width="420px",
         )
-        self.slider.layout.width = "420px"
         self.speed = ipywidgets.FloatLogSlider(
             value=1.0, base=10, min=np.log10(SLOWEST), max=np.log10(FASTEST), step=0.01, description="speed",
             readout_format=".2f", style={"description_width": "auto"},
-            layout={"width": "230px", "margin": "2px 14px 2px 2px"},
+            layout=controls.at_most("230px"),
         )  # fmt: skip
         self.loop = controls.choice("loop", LOOPS, REPEAT)
         self.row = controls.row(self.clock, self.button, self.slider, self.speed, self.loop)
