@@ -5,7 +5,7 @@
 ROOT holds ``lowres`` (``.vert`` and ``.tri``). The shapes are repaired where they need it, the groups are the
 categories. Two tables. The first is of all shapes, by what needs no map: ShapeDNA (the first 50 eigenvalues of the
 Laplace-Beltrami operator of the unit-area shape, compared by the root mean square of their relative differences), by
-LaPy where it is installed and by `laplacian_spectrum`; and the first 20 eigenvalues of the quasi-geodesic distances
+LaPy where it is installed and by `laplacian_spectrum`; and the first 20 eigenvalues of the geodesic distances
 (`distance_spectrum`) in the same way. The second, with ``--store``, is of the first few shapes of each category, by
 these and by `Collection.distances`: every pair is matched once (as whole shapes, orientation kept), and what is
 finished stays in DIR, so that a run that was killed goes on.
@@ -46,8 +46,8 @@ def dna_of_lapy(shape: Surface) -> np.ndarray:
 
 
 def gamma(shape: Surface) -> np.ndarray:
-    """Eigenvalues of the quasi-geodesic distances of the unit-area shape, (20,)."""
-    return qg.distance_spectrum(shape, GAMMA, repair=True).eigenvalues / shape.area**1.5
+    """Eigenvalues of the geodesic distances of the unit-area shape, (20,): curvature has no sign on one-sided ones."""
+    return qg.distance_spectrum(shape, GAMMA, metric="cartesian").eigenvalues / shape.area**1.5
 
 
 def by_relative_difference(rows: np.ndarray) -> np.ndarray:
@@ -93,13 +93,14 @@ def sampled(fellows: Mapping[str, list[str]], shapes: Mapping[str, Surface], cou
     return chosen
 
 
-def without_maps(shapes: Mapping[str, Surface]) -> dict[str, np.ndarray]:
-    """Rows of eigenvalues of all shapes, by the name of the distance."""
+def by_eigenvalues(shapes: Mapping[str, Surface]) -> dict[str, np.ndarray]:
+    """Squares of the distances that need no map, by name."""
     ways: dict[str, Callable[[Surface], np.ndarray]] = {"ShapeDNA, laplacian_spectrum, 50": dna}
     if importlib.util.find_spec("lapy"):
         ways["ShapeDNA, LaPy, 50"] = dna_of_lapy
     ways["distance_spectrum, 20"] = gamma
-    return {name: np.stack([way(shape) for shape in shapes.values()]) for name, way in ways.items()}
+    rows = {name: np.stack([way(shape) for shape in shapes.values()]) for name, way in ways.items()}
+    return {name: by_relative_difference(of_all) for name, of_all in rows.items()}
 
 
 def table(squares: Mapping[str, np.ndarray], groups: list[str]) -> None:
@@ -131,29 +132,21 @@ def main() -> None:
     parser.add_argument("--store", type=Path, help="of the maps; without it none are sought")
     parser.add_argument("--per-category", type=int, default=3, help="of the second table: the first so many of each")
     parser.add_argument("--workers", type=int, default=1, help="processes")
-    parser.add_argument("--only-maps", action="store_true", help="match, and print nothing")
+    parser.add_argument("--without-first", action="store_true", help="print the second table only")
     arguments = parser.parse_args()
     data = ToscaLowres(arguments.root / "lowres")
     shapes = read(data)
     of = {name: data.category(name) for name in shapes}
-    fellows = {group: [name for name in shapes if of[name] == group] for group in data.categories}
-    some = sampled(fellows, shapes, arguments.per_category) if arguments.store else []
-    if arguments.only_maps:
-        by_maps({name: shapes[name] for name in some}, {n: of[n] for n in some}, arguments.store, arguments.workers)
-        return
-    rows = without_maps(shapes)
-    print(f"{machine()}; {len(shapes)} shapes of {len(fellows)} categories\n")
-    table({name: by_relative_difference(of_all) for name, of_all in rows.items()}, list(of.values()))
+    print(f"{machine()}; {len(shapes)} shapes of {len(data.categories)} categories\n")
+    if not arguments.without_first:
+        table(by_eigenvalues(shapes), list(of.values()))
     if arguments.store:
-        chosen = {name: shapes[name] for name in some}
-        groups = {name: of[name] for name in some}
+        fellows = {group: [name for name in shapes if of[name] == group] for group in data.categories}
+        chosen = {name: shapes[name] for name in sampled(fellows, shapes, arguments.per_category)}
+        groups = {name: of[name] for name in chosen}
         squares = by_maps(chosen, groups, arguments.store, arguments.workers)
-        print(f"\n{len(some)} shapes: {', '.join(some)}\n")
-        at = [list(shapes).index(name) for name in some]
-        squares = {f"`{name}`": square for name, square in squares.items()}
-        table(
-            squares | {name: by_relative_difference(of_all[at]) for name, of_all in rows.items()}, list(groups.values())
-        )
+        print(f"\n{len(chosen)} shapes: {', '.join(chosen)}\n")
+        table({f"`{name}`": square for name, square in squares.items()} | by_eigenvalues(chosen), list(groups.values()))
 
 
 if __name__ == "__main__":
