@@ -25,7 +25,7 @@ def finished(problem: MatchProblem, coarse: DenseMap) -> DenseMap:
         again = register(back, coarse.inverse, Schedule.of(back, problem.parameters.coarse_to_fine))
     finally:
         back.x.arap.release()
-    return _turned_round(agreed.fine, _registered(back, again))
+    return turned_round(agreed.fine, _registered(back, again))
 
 
 def _has_more_handles(problem: MatchProblem) -> bool:
@@ -43,7 +43,7 @@ def _registered(problem: MatchProblem, coarse: DenseMap) -> DenseMap:
         fine.x.arap.release()  # 30 kB a vertex, and no match of the same X is quicker for them
 
 
-def _turned_round(pair: FinePair, back: DenseMap) -> DenseMap:
+def turned_round(pair: FinePair, back: DenseMap) -> DenseMap:
     """The map from X to Y of one from Y to X, X where it lies on the deformed Y."""
     x, y = pair.x.unit, pair.y.unit
     faces, coordinates = closest_facing_points(x.vertices, x.vertex_normals, y.with_vertices(back.positions))

@@ -65,7 +65,7 @@ def test_turning_a_map_round_exchanges_its_sides() -> None:
     n = body().n_vertices
     forth, back = np.arange(n), np.arange(n)[::-1].copy()
     rows = np.zeros((n, 2), np.float32), np.ones((n, 2), np.float32)
-    turned = finish._turned_round(pair, DenseMap(forth, back, pair.x.unit.vertices, *rows))
+    turned = finish.turned_round(pair, DenseMap(forth, back, pair.x.unit.vertices, *rows))
     np.testing.assert_array_equal(turned.p2p, back)
     np.testing.assert_array_equal(turned.inverse, forth)
     np.testing.assert_allclose(turned.positions, pair.y.unit.vertices, atol=1e-9)
