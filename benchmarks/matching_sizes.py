@@ -1,6 +1,7 @@
 """What `match` costs and errs at any size, as a Markdown table: from two files to a map at full resolution.
 
     python benchmarks/matching_sizes.py ROOT --pair michael0-michael3 --sizes 3000 7000 15000 52565 200000 500000
+        [--json FILE]
 
 ROOT holds ``full/NAME.off``: TOSCA at full resolution, vertices of equal numbers in all poses. Smaller meshes are
 decimated from it, each pose on its own; larger ones subdivided and decimated. Each match is a process of its own,
@@ -20,7 +21,7 @@ from pathlib import Path
 
 import igl
 import numpy as np
-from record import machine
+from record import Record, machine, recorded
 
 import qgeo_filters as qg
 from qgeo_filters.decimation import decimated
@@ -53,16 +54,17 @@ def resized(full: qg.Surface, size: int) -> tuple[qg.Surface, np.ndarray]:
     return small.surface, known[small.vertices]
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print a row for each size."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root", type=Path)
     parser.add_argument("--pair", default="michael0-michael3", metavar="X-Y")
     parser.add_argument("--sizes", nargs="+", type=int, default=[3000, 7000, 15_000, 52_565, 200_000, 500_000])
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     poses = [qg.Surface.read(arguments.root / "full" / f"{name}.off") for name in arguments.pair.split("-")]
-    print(f"{machine()}; {arguments.pair}\n")
-    print("| vertices | wall s | CPU s | peak memory, GB | error | sure |\n|---:|---:|---:|---:|---:|---|")
+    print(machine())
+    record.note(f"The pair is {arguments.pair}.")
+    table = record.table("", "vertices", "wall s", "CPU s", "peak memory, GB", "error", "sure", align="rrrrrl")
     for size in arguments.sizes:
         with tempfile.TemporaryDirectory() as folder:
             files = [str(Path(folder) / name) for name in ("x.ply", "y.ply")]
@@ -77,8 +79,9 @@ def main() -> None:
             gaps = np.linalg.norm(y.vertices[np.load(p2p)[there]] - poses[1].vertices[known[there]], axis=1)
             error = float(gaps.mean() / np.sqrt(poses[1].area))
         said = "yes" if sure else "no"
-        print(f"| {x.n_vertices} | {wall:.1f} | {cpu:.1f} | {peak:.2f} | {error:.4f} | {said} |", flush=True)
+        table.row(str(x.n_vertices), f"{wall:.1f}", f"{cpu:.1f}", f"{peak:.2f}", f"{error:.4f}", said)
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)
