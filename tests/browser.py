@@ -97,18 +97,17 @@ class Server:
 
 def lab(folder: Path) -> Server:
     """JupyterLab on the notebooks of a folder."""
-    command = [
-        "jupyterlab", "--expose-app-in-browser", "--no-browser", "--allow-root", "--ServerApp.ip=127.0.0.1",
-        "--ServerApp.port={port}", "--ServerApp.port_retries=0", "--IdentityProvider.token=",
-        "--ServerApp.root_dir={folder}",
-    ]  # fmt: skip
-    return Server(command, folder, "/api/status")
+    return _jupyter("jupyterlab", folder)
 
 
 def notebook(folder: Path) -> Server:
     """Jupyter Notebook 7 on the notebooks of a folder."""
+    return _jupyter("notebook", folder)
+
+
+def _jupyter(application: str, folder: Path) -> Server:
     command = [
-        "notebook", "--expose-app-in-browser", "--no-browser", "--allow-root", "--ServerApp.ip=127.0.0.1",
+        application, "--expose-app-in-browser", "--no-browser", "--allow-root", "--ServerApp.ip=127.0.0.1",
         "--ServerApp.port={port}", "--ServerApp.port_retries=0", "--IdentityProvider.token=",
         "--ServerApp.root_dir={folder}",
     ]  # fmt: skip
