@@ -11,12 +11,14 @@ from qgeo_filters._typing import RepairOption
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.hosts.repair import Repair, repaired_within
+from qgeo_filters.parallel import single_threaded_blas
 from qgeo_filters.repair.triangle_soup import most_lost
 from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_repair, frozen
 
 
+@single_threaded_blas  # its own threads wait for ours by spinning: twice the CPU time, and no less by the clock
 def spectrum_of_mesh(
     surface: SurfaceLike, repair: RepairOption, compute: Callable[[Surface, Repair | None], Spectrum]
 ) -> Spectrum:

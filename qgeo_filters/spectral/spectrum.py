@@ -15,6 +15,7 @@ from qgeo_filters._typing import FloatArray
 from qgeo_filters.array_likes import as_array, is_tensor
 from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.html_repr import card
+from qgeo_filters.parallel import single_threaded_blas
 from qgeo_filters.spectral.block_lanczos import block_eigenpairs
 from qgeo_filters.spectral.canonical import canonical_signs, group_multiplets
 from qgeo_filters.validation import checked_count, frozen, listed
@@ -127,6 +128,7 @@ class Spectrum:
 
 
 @renamed_parameters(weights="mass")
+@single_threaded_blas
 def spectrum_of_matrix(
     matrix: Any, areas: npt.ArrayLike, k: int = 20, mass: Mass = "area", *, tolerance: float = 1e-6
 ) -> Spectrum:
