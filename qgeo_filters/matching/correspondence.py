@@ -216,7 +216,7 @@ def described(problem: MatchProblem, choice: Found, dense: DenseMap, mirror: Mir
     coarse = y.vertex_of_full[p2p[x.full_vertices]]
     alike = hks_agreement(problem, coarse)
     confident, explanation = verdict(
-        problem.parameters, score, turned, alike, decision.margin, decision.contrary, x.full.genus != y.full.genus
+        problem.parameters, score, turned, alike, decision.margin, decision.contrary, problem.more_handles != 0
     )
     confident, explanation = with_hand(problem, choice, mirror, confident, explanation)
     confident, explanation = with_hints(problem, coarse, decision.unhinted, confident, explanation)

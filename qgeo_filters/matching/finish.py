@@ -18,7 +18,7 @@ def finished(problem: MatchProblem, coarse: DenseMap) -> DenseMap:
     """
     # What the map contradicts must not bend it any more.
     agreed = problem.with_known(problem.known and problem.known.agreeing(coarse.p2p))
-    if not _has_more_handles(problem):
+    if problem.more_handles <= 0:
         return _registered(agreed, coarse)
     back = agreed.swapped()
     try:
@@ -26,11 +26,6 @@ def finished(problem: MatchProblem, coarse: DenseMap) -> DenseMap:
     finally:
         back.x.arap.release()
     return turned_round(agreed.fine, _registered(back, again))
-
-
-def _has_more_handles(problem: MatchProblem) -> bool:
-    one, other = problem.x.full.genus, problem.y.full.genus
-    return one is not None and other is not None and one > other
 
 
 def _registered(problem: MatchProblem, coarse: DenseMap) -> DenseMap:

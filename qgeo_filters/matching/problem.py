@@ -115,6 +115,11 @@ class MatchProblem:
         """The shapes at the resolution at which maps are finished."""
         return FinePair.of(self)
 
+    @cached_property
+    def more_handles(self) -> int:
+        """How many handles X has more than Y; either may have grown together where it touches itself."""
+        return (self.x.full.genus or 0) - (self.y.full.genus or 0)  # matched shapes have an outside
+
     def with_mirrored_y(self) -> MatchProblem:
         """The problem of X and the mirror image of Y: maps that reverse the orientation keep it there."""
         return replace(self, y=self.y.mirrored).with_known(self.known)  # intrinsically the same

@@ -9,7 +9,6 @@ import numpy as np
 from qgeo_filters._typing import IndexArray, SingleArray
 from qgeo_filters.matching.hints import Hints
 from qgeo_filters.matching.known_parts import KnownParts, full_labels, full_vertices
-from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.partial.distance_bounds import violations
 from qgeo_filters.matching.partial.part_shape import PartShape
 from qgeo_filters.matching.prepared_shape import PreparedShape
@@ -51,7 +50,7 @@ def known_of_part(
         )
         for side, (working, own) in enumerate(zip(shapes, numbers, strict=True))
     ]
-    return KnownParts(frozen(landmarks), labels, rows[0], rows[1], MatchingParameters())
+    return KnownParts(frozen(landmarks), labels, rows[0], rows[1], prepared[0].parameters)
 
 
 def resized(known: KnownParts, ratio: float) -> KnownParts:

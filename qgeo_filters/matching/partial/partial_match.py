@@ -124,7 +124,7 @@ def part_is_x(x: Surface, y: Surface) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Pair:
-    """Both shapes in units of sqrt(area) of the whole."""
+    """Both shapes in units of sqrt(area) of the whole, and what is known of the part's place."""
 
     part: PartShape
     whole: PartShape
@@ -249,8 +249,7 @@ def _landmark_errors(pair: _Pair, found: PartMap, x_is_part: bool) -> FloatArray
         return np.zeros(0)
     if x_is_part:
         return pair.known.landmark_errors(found.p2p)
-    images = found.back[pair.known.landmarks[:, 1]]
-    return pair.known.to_x[np.arange(len(images)), images].astype(np.float64) / np.sqrt(pair.part.area)
+    return pair.known.swapped().landmark_errors(found.back) / np.sqrt(pair.part.area)
 
 
 def _distortion(part: PartShape, whole: PartShape, p2p: npt.NDArray[np.int64]) -> FloatArray:
