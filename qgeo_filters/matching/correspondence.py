@@ -178,7 +178,7 @@ def match(
         _next(bar, "search")
         choice = chosen_map(problem, mirror)
         _next(bar, "register")
-        dense = finished(problem.with_mirrored_y() if choice.mirrored else problem, choice.decision.dense)
+        dense = finished(problem.with_mirrored_y() if choice.mirrored else problem, choice.decision.best.dense)
         _next(bar, "matched")
         found = described(problem, choice, dense, mirror)
         if partial == "auto" and mirror != "yes":

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from qgeo_filters._typing import IndexArray
+from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.closest_points import closest_facing_points
 from qgeo_filters.matching.maps.resolutions import CarriedMap, carried
 from qgeo_filters.matching.problem import FinePair, MatchProblem
@@ -42,7 +45,7 @@ def turned_round(pair: FinePair, back: DenseMap) -> DenseMap:
     """The map from X to Y of one from Y to X, X where it lies on the deformed Y."""
     x, y = pair.x.unit, pair.y.unit
     faces, coordinates = closest_facing_points(x.vertices, x.vertex_normals, y.with_vertices(back.positions))
-    positions = (y.vertices[y.faces[faces]] * coordinates[:, :, None]).sum(axis=1)
+    positions = BarycentricMap(faces, y.faces[faces].astype(np.int64), coordinates).pulled_back(y.vertices)
     return DenseMap(back.inverse, back.p2p, positions, back.embedding_y, back.embedding_x)
 
 

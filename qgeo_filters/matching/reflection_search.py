@@ -22,5 +22,5 @@ def is_doubtful(problem: MatchProblem, decision: Decision | None) -> bool:
     given = problem.parameters
     if decision is None:
         return False
-    nearly = decision.mean_distortion <= given.doubtful_reflection_distortion
-    return nearly and decision.hks_agreement < given.doubtful_reflection_alike
+    nearly = decision.best.mean_distortion <= given.doubtful_reflection_distortion
+    return nearly and decision.best.hks_agreement < given.doubtful_reflection_alike

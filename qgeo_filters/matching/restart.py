@@ -72,10 +72,7 @@ def match_from(
         finally:
             problem.x.arap.release()
         mirrored = turned is not problem
-        decision = Decision(
-            best.dense, best.hks_agreement, best.curvature_agreement, best.mean_distortion, margin, runner_up,
-            best.end_cost, best.end_cost,
-        )  # fmt: skip
+        decision = Decision(best, margin, runner_up)
         dense = finished(turned, best.dense)
         found = described(problem, Found(decision, mirrored), dense, "yes" if mirrored else "no")
         return match_on_given(found, problem.x, problem.y)

@@ -70,13 +70,13 @@ def chosen_map(problem: MatchProblem, mirror: MirrorOption = "auto") -> Found:
     straight = choose_map(problem, keeping)
     first = problem.log.chosen
     opposite = choose_map(turned, reversing)
-    ratio = opposite.cost / straight.cost
+    ratio = opposite.best.end_cost / straight.best.end_cost
     # What is left and what is right is a matter of how the mesh is written: to turn it over needs a reason.
     if ratio * problem.parameters.mirror_image_cost < 1:
-        return Found(opposite, True, straight.unhinted_cost / opposite.unhinted_cost)
+        return Found(opposite, True, straight.best.unhinted_cost / opposite.best.unhinted_cost)
     if first is not None:
         problem.log.choose(first.number)
-    return Found(straight, False, opposite.unhinted_cost / straight.unhinted_cost)
+    return Found(straight, False, opposite.best.unhinted_cost / straight.best.unhinted_cost)
 
 
 def competing_candidates(problem: MatchProblem) -> tuple[list[Candidate], list[Candidate], float]:
@@ -126,9 +126,9 @@ def _first_attempt(problem: MatchProblem, *, either: bool) -> Decision | None:
     decision = choose_map(quick, keeping)
     clear = (
         decision.margin >= given.quick_margin
-        and decision.mean_distortion <= given.quick_distortion
-        and decision.hks_agreement >= given.quick_alike
-        and decision.curvature_agreement >= given.quick_relief
+        and decision.best.mean_distortion <= given.quick_distortion
+        and decision.best.hks_agreement >= given.quick_alike
+        and decision.best.curvature_agreement >= given.quick_relief
     )
     if not clear:
         return None

@@ -129,13 +129,13 @@ def _judged(problem: MatchProblem, decision: Decision | None, tolerance: float) 
     if decision is None:
         return no_symmetry(x, "no map of the shape to its mirror image keeps distances even roughly")
     margin = decision.margin
-    if margin < given.margin and decision.mean_distortion < tolerance:
+    if margin < given.margin and decision.best.mean_distortion < tolerance:
         return no_symmetry(
             x,
             f"different reflections keep distances and shape about equally well (costs within {margin:.2f}): either "
             "a family of symmetries, of which none can be singled out, or a shape without any that is nearly round",
         )
-    found = described_symmetry(problem, finished(problem, decision.dense))
+    found = described_symmetry(problem, finished(problem, decision.best.dense))
     if found.score > tolerance:
         return no_symmetry(
             x,

@@ -47,6 +47,7 @@ def test_what_is_clear_or_hopeless_is_in_no_doubt() -> None:
     chosen = chosen_reflection(problem)
     assert chosen is not None
     assert not is_doubtful(problem, chosen)
-    assert is_doubtful(problem, replace(chosen, hks_agreement=0.95))
-    assert not is_doubtful(problem, replace(chosen, hks_agreement=0.95, mean_distortion=0.3))
+    unlike = replace(chosen.best, hks_agreement=0.95)
+    assert is_doubtful(problem, replace(chosen, best=unlike))
+    assert not is_doubtful(problem, replace(chosen, best=replace(unlike, mean_distortion=0.3)))
     assert not is_doubtful(problem, None)

@@ -59,6 +59,11 @@ class Contender:
     number: int
     penalty: float = 1.0
 
+    @property
+    def unhinted_cost(self) -> float:
+        """The cost where it ends, without the hints."""
+        return self.end_cost / self.penalty
+
 
 def registered(
     problem: MatchProblem, maps: list[tuple[int, IndexArray]], stages: Stages, start: IndexArray | None = None

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -15,7 +14,6 @@ from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.selection.cost import Contender, registered
 from qgeo_filters.matching.selection.fixed_limbs import without_fixed_limbs
 from qgeo_filters.matching.selection.part_icp import turned_parts
-from qgeo_filters.matching.smooth_shells import DenseMap
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,18 +22,12 @@ class Decision:
 
     Attributes
     ----------
-    dense : DenseMap
+    best : Contender
         Between the shapes as they were searched, to be finished, see `matching.finish`.
-    hks_agreement, curvature_agreement : float
-        See `Contender`.
-    mean_distortion : float
-        See `mean_distortion`.
     margin : float
         How many times its cost the next different contender's is; inf if there is none.
     runner_up : float
         Distortion of that one.
-    cost, unhinted_cost : float
-        What it costs where it ends, see `Contender.end_cost`, and without the hints.
     unhinted : float
         How many times its cost the cheapest different contender's would be if there were no hints; inf without any.
     contrary : float
@@ -43,14 +35,9 @@ class Decision:
         inf if there is none.
     """
 
-    dense: DenseMap
-    hks_agreement: float
-    curvature_agreement: float
-    mean_distortion: float
+    best: Contender
     margin: float
     runner_up: float
-    cost: float
-    unhinted_cost: float
     unhinted: float = np.inf
     contrary: float = np.inf
 
@@ -59,7 +46,7 @@ def choose_map(problem: MatchProblem, pool: list[Candidate]) -> Decision:
     """The best of the candidates between the coarse shapes: of those cheap in a preview the one that ends cheapest."""
     with _factorisations_released(problem):
         ranked = previewed(problem, pool)
-        return _settled(problem, ranked, apart=problem.parameters.different_mean)[1]
+        return _settled(problem, ranked, apart=problem.parameters.different_mean)
 
 
 def choose_reflection(problem: MatchProblem, pool: list[Candidate]) -> Decision:
@@ -70,8 +57,8 @@ def choose_reflection(problem: MatchProblem, pool: list[Candidate]) -> Decision:
     """
     with _factorisations_released(problem):
         ranked = without_fixed_limbs(problem, previewed(problem, pool))
-        best, decision = _settled(problem, ranked, apart=problem.parameters.reflection_apart)
-        return replace(decision, **_found(_with_parts_turned(problem, best)))
+        decision = _settled(problem, ranked, apart=problem.parameters.reflection_apart)
+        return replace(decision, best=_with_parts_turned(problem, decision.best))
 
 
 @contextmanager
@@ -143,7 +130,7 @@ def settled(problem: MatchProblem, close: list[Contender]) -> list[Contender]:
     return best
 
 
-def _settled(problem: MatchProblem, ranked: list[Contender], apart: float) -> tuple[Contender, Decision]:
+def _settled(problem: MatchProblem, ranked: list[Contender], apart: float) -> Decision:
     """The cheapest contender, and how clear that is beside those ``apart`` from it."""
     close = close_contenders(problem, ranked)
     ends = settled(problem, close)
@@ -159,14 +146,13 @@ def _settled(problem: MatchProblem, ranked: list[Contender], apart: float) -> tu
     others = [c for c in ranked if not any(c is t for t in close)]
     rivals += [(c.cost / preview.cost, c) for c in others if _gap(problem, c, best) > apart]
     margin, rival = min(rivals, key=lambda pair: pair[0], default=(np.inf, None))
-    decision = Decision(
-        **_found(best),
+    return Decision(
+        best,
         margin=margin,
         runner_up=rival.mean_distortion if rival else np.inf,
         unhinted=min((ratio * best.penalty / c.penalty for ratio, c in rivals if problem.known), default=np.inf),
         contrary=min((ratio for ratio, c in rivals if _agrees_better(problem, c, best)), default=np.inf),
     )
-    return best, decision
 
 
 def _agrees_better(problem: MatchProblem, rival: Contender, best: Contender) -> bool:
@@ -199,18 +185,6 @@ def _with_parts_turned(problem: MatchProblem, best: Contender) -> Contender:
             break
         last = ends[0]
     return best
-
-
-def _found(best: Contender) -> dict[str, Any]:
-    """What a decision says of the contender that was chosen."""
-    return {
-        "dense": best.dense,
-        "hks_agreement": best.hks_agreement,
-        "curvature_agreement": best.curvature_agreement,
-        "mean_distortion": best.mean_distortion,
-        "cost": best.end_cost,
-        "unhinted_cost": best.end_cost / best.penalty,
-    }
 
 
 def _differ(problem: MatchProblem, one: Candidate, other: Candidate) -> bool:
