@@ -26,6 +26,7 @@ from qgeo_filters.matching.regions import eigenfunction_regions
 from qgeo_filters.matching.search import Found, checked_mirror, chosen_map
 from qgeo_filters.matching.selection.signatures import hks_agreement
 from qgeo_filters.matching.smooth_shells import DenseMap
+from qgeo_filters.matching.topological_noise import robust_to_shortcuts
 from qgeo_filters.matching.verdict import verdict, with_hand, with_hints, with_sides
 from qgeo_filters.parallel import concurrently, default_workers, single_threaded_blas
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
@@ -176,7 +177,7 @@ def match(
             check_same_size(problem.x.full, problem.y.full, problem.parameters.same_area)
         _prepare(problem)
         _next(bar, "search")
-        choice = chosen_map(problem, mirror)
+        choice = robust_to_shortcuts(problem, chosen_map(problem, mirror))
         _next(bar, "register")
         dense = finished(problem.with_mirrored_y() if choice.mirrored else problem, choice.decision.best.dense)
         _next(bar, "matched")

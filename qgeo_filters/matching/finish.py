@@ -7,8 +7,9 @@ import numpy as np
 from qgeo_filters._typing import IndexArray
 from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.closest_points import closest_facing_points
+from qgeo_filters.matching.level import LevelPair
 from qgeo_filters.matching.maps.resolutions import CarriedMap, carried
-from qgeo_filters.matching.problem import FinePair, MatchProblem
+from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.schedule import Schedule
 from qgeo_filters.matching.smooth_shells import DenseMap, register
 
@@ -41,7 +42,7 @@ def _registered(problem: MatchProblem, coarse: DenseMap) -> DenseMap:
         fine.x.arap.release()  # 30 kB a vertex, and no match of the same X is quicker for them
 
 
-def turned_round(pair: FinePair, back: DenseMap) -> DenseMap:
+def turned_round(pair: LevelPair, back: DenseMap) -> DenseMap:
     """The map from X to Y of one from Y to X, X where it lies on the deformed Y."""
     x, y = pair.x.unit, pair.y.unit
     faces, coordinates = closest_facing_points(x.vertices, x.vertex_normals, y.with_vertices(back.positions))

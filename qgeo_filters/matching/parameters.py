@@ -328,6 +328,8 @@ class MatchingParameters:
     #: The same where one shape has handles that the other lacks: heat flows where surfaces have grown together (right
     #: maps of two children with a hand on the body .85, wrong ones .68 and less).
     grown_alike: float = 0.8
+    #: Margin from which on such a map is clear enough not to be sought among places where distances may be shorter.
+    grown_margin: float = 2.0
     #: A finished map whose orientation is below this did not settle on one side (tuning).
     settled_orientation: float = 0.3
     #: Ratio of areas up to which shapes count as of one size, for ``normalize=False``.

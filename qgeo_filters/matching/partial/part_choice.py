@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -83,16 +83,34 @@ class PartDecision:
 
 
 class PartChoice:
-    """The search for one part on one whole, with what is known of its place."""
+    """The search for one part on one whole, with what is known of its place.
 
-    def __init__(self, x: PartShape, y: PartShape, log: MatchLog, known: KnownParts | None = None) -> None:
-        self.x, self.y, self.log, self.given, self.known = x, y, log, x.given, known
+    Parameters
+    ----------
+    x, y : PartShape
+    log : MatchLog
+    known : KnownParts, optional
+    mirrors : pair, optional
+        Vertex nearest to the mirror point of each vertex of X, and the same of Y, (n,) int each; None where that is not
+        known. Maps that reverse the orientation are turned by it.
+    """
+
+    def __init__(
+        self,
+        x: PartShape,
+        y: PartShape,
+        log: MatchLog,
+        known: KnownParts | None = None,
+        mirrors: tuple[IndexArray | None, IndexArray | None] = (None, None),
+    ) -> None:
+        self.x, self.y, self.log, self.given, self.known, self.mirrors = x, y, log, x.given, known, mirrors
         self.descriptors, self.hints = descriptor_costs(x, y), hint_costs(known, x, y)
         self.mapper = CoarseMapper(x, y, self.descriptors, self.hints)
 
     def decide(self) -> PartDecision:
         """The cheapest of the places that keep the orientation."""
-        placed = sorted(self._placed(self._competing()), key=lambda p: p.cost)
+        maps = [(number, c.p2p) for number, c in self.competing()]
+        placed = sorted(self.placed(maps), key=lambda p: p.cost)
         best = placed[0]
         self.log.choose(best.number)
         apart = [p for p in placed[1:] if images_apart(self.y, p.map.p2p, best.map.p2p) > self.given.apart]
@@ -101,13 +119,15 @@ class PartChoice:
         unhinted = min(p.cost / p.penalty for p in apart) / (best.cost / best.penalty) if self.known else np.inf
         return PartDecision(best, apart[0].cost / best.cost, apart[0].distortion, unhinted)
 
-    def _competing(self) -> list[tuple[int, CoarseMap]]:
-        """Coarse maps that are registered, with their numbers in the log."""
+    def competing(self) -> list[tuple[int, CoarseMap]]:
+        """Coarse maps that are worth registering, with their numbers in the log."""
         given = self.given
         starts = list(landmark_maps(self.x, self.y, self.descriptors, self.hints).images)
         if self.known:  # what would win without the hints is tried, too, so that their disagreement can be told
             starts += list(landmark_maps(self.x, self.y, self.descriptors, np.zeros_like(self.hints)).images)
         grown = concurrently(self.mapper.grown, starts)
+        reversing = [c for c in grown if c.orientation < -given.keeps_orientation]
+        grown += [twin for c in reversing if (twin := self._twin(c))]
         grown.sort(
             key=lambda c: c.distortion + given.unlikeness_weight * c.unlikeness + given.hint_weight * c.disagreement
         )
@@ -131,13 +151,31 @@ class PartChoice:
                 kept.append((number, c))
         return kept
 
-    def _placed(self, maps: list[tuple[int, CoarseMap]]) -> list[PlacedPart]:
+    def placed(self, maps: list[tuple[int, IndexArray]]) -> list[PlacedPart]:
+        """Maps of X's first farthest points, registered, with what each costs; in order.
+
+        Parameters
+        ----------
+        maps : list of (number in the log, vertices of Y)
+        """
         registration = PartRegistration(self.x, self.y, self.x.fps[: self.mapper.count], self.known)
         try:
-            found = concurrently(lambda m: registration.register(m[1].p2p), maps)
+            found = concurrently(lambda m: registration.register(m[1]), maps)
         finally:
             registration.release()
         return [self._measured(number, part) for (number, _), part in zip(maps, found, strict=True)]
+
+    def _twin(self, c: CoarseMap) -> CoarseMap | None:
+        """The map with a reflection before or after it: it keeps distances as well, and the orientation."""
+        of_x, of_y = self.mirrors
+        if of_x is not None:
+            points = self.x.fps[: self.mapper.count]
+            images = c.p2p[self.x.rows[: len(points), of_x[points]].argmin(axis=0)]
+        elif of_y is not None:
+            images = of_y[c.p2p]
+        else:
+            return None
+        return replace(c, p2p=images, orientation=-c.orientation)
 
     def _measured(self, number: int, part: PartMap) -> PlacedPart:
         x, y, given, p2p = self.x, self.y, self.given, part.p2p

@@ -57,13 +57,21 @@ class PartShape:
 
     def resized(self, ratio: float) -> PartShape:
         """The same shape, so many times as large; distances are not computed again."""
+        return self._changed(ratio, self.rim * ratio)
+
+    def with_shortcuts(self, reach: float) -> PartShape:
+        """The same shape where the other one may have grown together so near to each point: as if all were near a rim.
+
+        Distances on that other one are at most those on this shape then, and may be shorter.
+        """
+        return self._changed(1.0, np.minimum(self.rim, reach))
+
+    def _changed(self, ratio: float, rim: FloatArray) -> PartShape:
         other = PartShape.__new__(PartShape)
         other.full, other.unit, other.given = self.full, self.unit / ratio, self.given
         other.proxy, other.centre, other._count = self.proxy, self.centre, self._count
         other.surface = Surface(self.surface.vertices * ratio, self.surface.faces)
-        other.__dict__.update(
-            fps=self.fps, rim=self.rim * ratio, rows=self.rows * np.float32(ratio), laplacian=self.laplacian
-        )
+        other.__dict__.update(fps=self.fps, rim=rim, rows=self.rows * np.float32(ratio), laplacian=self.laplacian)
         return other
 
     @property

@@ -93,6 +93,14 @@ class PartialParameters:
     least_unlikeness: float = 0.02
     least_distortion: float = 0.01
 
+    # -- a surface that has grown together ------------------------------------------------------------------
+    #: Distances of each point from where the other surface may have grown together: those that maps are sought with,
+    #: and that with which costs are compared.
+    shortcut_reaches: tuple[float, ...] = (0.1, 0.2, 0.3)
+    compared_reach: float = 0.2
+    #: How many times as dear as another place the map of the usual search must be to give way.
+    shortcut_reason: float = 1.3
+
     # -- size ------------------------------------------------------------------------------------------------
     #: Sizes of a part that are tried where sizes do not count.
     sizes: tuple[float, ...] = (1.0, 0.85, 1.18)

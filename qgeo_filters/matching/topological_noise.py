@@ -1,0 +1,77 @@
+"""Maps between a shape and one that has grown together where it touches itself.
+
+A hand that is one with the leg it lies on makes a handle, and distances on that surface shorter: never longer. So the
+one without the handle is placed on the other one as a part is on the whole, of which a cut makes distances longer.
+
+References
+----------
+Laehner, Rodola, Bronstein, Cremers and others, "SHREC'16: Matching of deformable shapes with topological noise", 3DOR
+2016.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from qgeo_filters.matching.finish import turned_round
+from qgeo_filters.matching.partial.part_choice import PlacedPart
+from qgeo_filters.matching.partial.partial_parameters import PartialParameters
+from qgeo_filters.matching.placement import Placement
+from qgeo_filters.matching.problem import MatchProblem
+from qgeo_filters.matching.schedule import Schedule
+from qgeo_filters.matching.search import Found
+from qgeo_filters.matching.selection.cost import Contender, measured
+from qgeo_filters.matching.selection.decision import Decision
+from qgeo_filters.matching.smooth_shells import register
+from qgeo_filters.matching.symmetry import reflection_of
+
+
+def robust_to_shortcuts(problem: MatchProblem, found: Found, given: PartialParameters | None = None) -> Found:
+    """What was found, or a clearly better map by distances that may only be shorter on the shape with more handles.
+
+    Nothing is sought where both shapes have as many handles, or where what was found is clear as it is.
+
+    Parameters
+    ----------
+    problem : MatchProblem
+    found : Found
+        The best map by distances that should be equal.
+    given : PartialParameters, optional
+    """
+    if not problem.more_handles or _is_clear(problem, found.decision):
+        return found
+    chosen = PartialParameters() if given is None else given
+    asked = problem.with_mirrored_y() if found.mirrored else problem
+    turned = asked.more_handles > 0
+    way = asked.swapped() if turned else asked  # from the shape that has not grown together
+    placement = Placement(way, (reflection_of(way.x, asked.parameters), None), chosen)
+    first = found.decision.best
+    usual, *others = placement.placed(
+        [(first.number, placement.at_points(first.dense.inverse if turned else first.dense.p2p)), *placement.proposed()]
+    )
+    # Costs are rough, and the usual search has compared its map with many: another one needs a reason.
+    clear = [p for p in others if p.cost * chosen.shortcut_reason < usual.cost]
+    best = min(clear, key=lambda p: p.cost, default=usual)
+    problem.log.choose(best.number)
+    rivals = [p for p in (usual, *others) if placement.apart(p, best)]
+    rival = min(rivals, key=lambda p: p.cost, default=None)
+    margin, runner_up = (rival.cost / best.cost, rival.distortion) if rival else (np.inf, np.inf)
+    if best is usual:
+        return replace(found, decision=replace(found.decision, margin=min(found.decision.margin, margin)))
+    return replace(found, decision=Decision(_contender(way, asked, best), margin, runner_up))
+
+
+def _is_clear(problem: MatchProblem, decision: Decision) -> bool:
+    given = problem.parameters
+    return decision.margin >= given.grown_margin and decision.best.hks_agreement >= given.grown_alike
+
+
+def _contender(way: MatchProblem, problem: MatchProblem, place: PlacedPart) -> Contender:
+    """A place between the vertices of both shapes, from X to Y, with what it costs there."""
+    try:
+        dense = register(way, place.map.p2p, Schedule.of(way, way.parameters.coarse_to_fine))
+    finally:
+        way.x.arap.release()
+    return measured(problem, dense if way is problem else turned_round(way, dense), place.number)

@@ -1,0 +1,112 @@
+"""A shape and one that has grown together: by distances that may only be shorter, a wrong map gives way."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from grown_body import body, grown
+
+from qgeo_filters.evaluation import geodesic_error
+from qgeo_filters.matching.match_log import CHOSEN
+from qgeo_filters.matching.partial.distance_bounds import distance_bounds
+from qgeo_filters.matching.partial.part_shape import PartShape
+from qgeo_filters.matching.partial.partial_parameters import PartialParameters
+from qgeo_filters.matching.problem import MatchProblem
+from qgeo_filters.matching.schedule import Schedule
+from qgeo_filters.matching.search import Found
+from qgeo_filters.matching.selection.cost import measured
+from qgeo_filters.matching.selection.decision import Decision
+from qgeo_filters.matching.smooth_shells import register
+from qgeo_filters.matching.topological_noise import robust_to_shortcuts
+from qgeo_filters.surface import Surface
+
+
+def problem(with_handle: bool) -> MatchProblem:
+    return MatchProblem.of(grown(), body()) if with_handle else MatchProblem.of(body(), grown())
+
+
+def turned_about(axis: int) -> np.ndarray:
+    """Vertex of the body that is nearest after half a turn about an axis: limbs go to other limbs."""
+    vertices = body().vertices
+    signs = np.where(np.arange(3) == axis, 1, -1)
+    return np.linalg.norm((vertices * signs)[:, None] - vertices[None], axis=2).argmin(axis=1)
+
+
+def found(of: MatchProblem, p2p: np.ndarray, margin: float) -> Found:
+    number = of.log.propose("a test", 0.1, 1.0)
+    of.log.choose(number)
+    dense = register(of, p2p, Schedule.of(of, of.parameters.coarse_to_fine))
+    return Found(Decision(measured(of, dense, number), margin, 0.1), False)
+
+
+def error(of: MatchProblem, p2p: np.ndarray) -> float:
+    return float(geodesic_error(p2p, np.arange(of.x.n_vertices), of.y.surface).mean())
+
+
+@pytest.mark.parametrize("with_handle", [True, False])
+@pytest.mark.parametrize("axis", [0, 2])
+def test_a_wrong_map_gives_way_to_the_right_one(with_handle: bool, axis: int) -> None:
+    given = problem(with_handle)
+    wrong = found(given, turned_about(axis), 1.2)
+    assert error(given, wrong.decision.best.dense.p2p) > 0.2
+    better = robust_to_shortcuts(given, wrong)
+    assert error(given, better.decision.best.dense.p2p) < 0.03
+    assert error(given, better.decision.best.dense.inverse) < 0.03
+    chosen = given.log.chosen
+    assert chosen is not None
+    assert (chosen.number, chosen.fate) == (better.decision.best.number, CHOSEN)
+    # The rival is the map that it was given, or another one.
+    assert 1 < better.decision.margin < np.inf
+
+
+@pytest.mark.parametrize("with_handle", [True, False])
+def test_a_right_map_stays_and_its_margin_can_only_shrink(with_handle: bool) -> None:
+    given = problem(with_handle)
+    right = found(given, np.arange(body().n_vertices), 1.5)
+    after = robust_to_shortcuts(given, right)
+    assert after.decision.best is right.decision.best
+    assert after.decision.margin <= right.decision.margin
+
+
+def test_nothing_is_sought_where_the_map_is_clear_or_the_shapes_have_as_many_handles() -> None:
+    given = problem(True)
+    seen = found(given, np.arange(body().n_vertices), given.parameters.grown_margin).decision
+    alike_enough = replace(seen.best, hks_agreement=given.parameters.grown_alike)
+    clear = Found(replace(seen, best=alike_enough), False)
+    assert robust_to_shortcuts(given, clear) is clear
+    alike = MatchProblem.of(body(), body())
+    wrong = found(alike, turned_about(0), 1.0)
+    assert robust_to_shortcuts(alike, wrong) is wrong
+
+
+def test_where_surfaces_may_have_grown_together_distances_may_be_shorter_but_not_longer() -> None:
+    shape = PartShape(body(), 1.0, body().n_vertices, 40, PartialParameters())
+    least, most = distance_bounds(shape, 40)
+    np.testing.assert_array_equal(least, most)
+    reached = shape.with_shortcuts(0.3)
+    shorter, same = distance_bounds(reached, 40)
+    np.testing.assert_array_equal(same, most)
+    np.testing.assert_allclose(shorter, np.minimum(most, 0.6))
+    assert shape.rim.min() > 100  # unchanged
+    np.testing.assert_array_equal(reached.fps, shape.fps)
+
+
+def test_a_boundary_nearer_than_a_shortcut_counts_as_before() -> None:
+    half = body().submesh(body().vertices[:, 2] > -0.1)[0]
+    shape = PartShape(half, 1.0, half.n_vertices, 40, PartialParameters())
+    reached = shape.with_shortcuts(0.2)
+    np.testing.assert_array_equal(reached.rim, np.minimum(shape.rim, 0.2))
+    assert reached.rim.min() == 0
+
+
+def test_the_search_keeps_to_the_hand_that_was_found() -> None:
+    """Matched as a mirror image of Y, the better map is one onto that image, too."""
+    mirrored = Surface(grown().vertices * [-1, 1, 1], grown().faces[:, ::-1])
+    given = MatchProblem.of(body(), mirrored)
+    turned = given.with_mirrored_y()
+    wrong = replace(found(turned, turned_about(2), 1.2), mirrored=True)
+    better = robust_to_shortcuts(given, wrong)
+    assert better.mirrored
+    assert error(given, better.decision.best.dense.p2p) < 0.03
