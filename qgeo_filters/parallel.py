@@ -9,10 +9,12 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
+from concurrent.futures import CancelledError, Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from contextlib import ContextDecorator, contextmanager
 from contextvars import ContextVar
+from functools import partial
 from multiprocessing import get_context
+from queue import SimpleQueue
 from typing import TypeVar
 
 import numpy as np
@@ -143,7 +145,8 @@ def watched(watcher: Watcher) -> Iterator[None]:
     """Call a function with the name of a step, how much of it is done and how much there is, as work within goes on.
 
     It is called in this thread, between tasks, and an exception that it raises ends the work: that is how a user
-    interface shows progress and cancels.
+    interface shows progress and cancels. Of work in threads it hears, too: what the items of `in_threads` report under
+    the same name is added up.
     """
     token = _watcher.set(watcher)
     try:
@@ -159,6 +162,50 @@ def report_progress(step: str, done: int, total: int) -> None:
         watcher(step, done, total)
 
 
+class _Relay:
+    """What the threads of a pool report, told again in the thread that waits for them."""
+
+    def __init__(self) -> None:
+        self._heard: SimpleQueue[tuple[int, tuple[str, int, int] | None]] = SimpleQueue()
+        self._latest: dict[str, dict[int, tuple[int, int]]] = {}
+        self._ended = False
+
+    def submit(self, pool: ThreadPoolExecutor, function: Callable[[], Result], number: int) -> Future[Result]:
+        """A call in the pool, whose reports are heard; numbered from 0."""
+
+        def heard(step: str, done: int, total: int) -> None:
+            if self._ended:
+                raise CancelledError
+            self._heard.put((number, (step, done, total)))
+
+        def watched_call() -> Result:
+            with watched(heard):
+                return function()
+
+        call = pool.submit(watched_call)
+        call.add_done_callback(lambda _: self._heard.put((number, None)))
+        return call
+
+    def results(self, calls: Sequence[Future[Result]]) -> Iterator[Result]:
+        """Result of each call, in their order; meanwhile what they report, of one step all of them together."""
+        over: set[int] = set()
+        for wanted, call in enumerate(calls):
+            while wanted not in over:
+                number, report = self._heard.get()
+                if report is None:
+                    over.add(number)
+                    continue
+                step, *counts = report
+                told = self._latest.setdefault(step, {})
+                told[number] = counts[0], counts[1]
+                report_progress(step, sum(done for done, _ in told.values()), sum(total for _, total in told.values()))
+            yield call.result()
+
+    def end(self) -> None:
+        """Raise an error in each call, at its next report."""
+        self._ended = True
+
+
 def in_threads(
     function: Callable[[Item], Result],
     items: Iterable[Item],
@@ -170,8 +217,8 @@ def in_threads(
 ) -> list[Result]:
     """Result of the function for each item, in their order; called in threads.
 
-    The first error, in their order, ends it after the calls already begun and is raised here. A single item is
-    computed in this thread, with all the workers below it.
+    The first error, in their order, ends it after the calls already begun, or their next reports, and is raised here.
+    A single item is computed in this thread, with all the workers below it.
     """
     chosen = list(items)
     threads = worker_count(workers)
@@ -185,13 +232,16 @@ def in_threads(
                     bar.update()
                     report_progress(description or "step", len(results), len(chosen))
             return results
+        relay = _Relay()
         with _pool(min(threads, len(chosen))) as pool:
             try:
-                for result in pool.map(function, chosen):
+                calls = [relay.submit(pool, partial(function, item), i) for i, item in enumerate(chosen)]
+                for result in relay.results(calls):
                     results.append(result)
                     bar.update()
                     report_progress(description or "step", len(results), len(chosen))
             except BaseException:
+                relay.end()
                 pool.shutdown(wait=True, cancel_futures=True)
                 raise
     return results

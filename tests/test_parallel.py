@@ -27,8 +27,10 @@ from qgeo_filters.parallel import (
     default_workers,
     in_processes,
     in_threads,
+    report_progress,
     run_tasks,
     single_threaded_blas,
+    watched,
     worker_count,
 )
 
@@ -193,6 +195,63 @@ def test_an_error_stops_what_has_not_begun() -> None:
     with pytest.raises(KeyError, match="first"):
         in_threads(task, range(200), 2)
     assert len(begun) < 200
+
+
+def test_a_watcher_hears_in_its_own_thread_what_threads_within_threads_report() -> None:
+    both = threading.Barrier(2)
+
+    def inner(item: int) -> None:
+        for done in (1, 2, 3):
+            report_progress("distances", done, 3)
+
+    def outer(item: int) -> None:
+        both.wait(10)
+        in_threads(inner, [item], 1)
+        both.wait(10)
+        in_threads(inner, [item, item], 2)
+
+    heard: list[tuple[str, int, int]] = []
+    where: set[int] = set()
+
+    def watcher(*step: Any) -> None:
+        heard.append(step)
+        where.add(threading.get_ident())
+
+    with watched(watcher):
+        in_threads(outer, range(2), 2, description="shape")
+    assert where == {threading.get_ident()}
+    distances = [report[1:] for report in heard if report[0] == "distances"]
+    assert len(distances) == 2 * 3 + 4 * 3
+    # The two items are added up, and within the second round the two threads of each.
+    assert {total for _, total in distances} <= {3, 6, 9, 12}
+    assert max(distances) == distances[-1] == (12, 12)
+    assert [report for report in heard if report[0] == "shape"] == [("shape", 1, 2), ("shape", 2, 2)]
+
+
+def test_a_watcher_that_raises_ends_threads_at_their_next_report() -> None:
+    reached: list[int] = []
+
+    def endless(item: int) -> None:
+        for done in range(100_000):
+            report_progress("distances", done, 100_000)
+            reached.append(done)
+            threading.Event().wait(0.001)
+
+    def stop(step: str, done: int, total: int) -> None:
+        if done > 5:
+            raise KeyError("enough")
+
+    with watched(stop), pytest.raises(KeyError, match="enough"):
+        in_threads(lambda item: in_threads(endless, [item, item], 2), range(2), 2)
+    assert max(reached) < 50_000
+    assert not any(thread.name.startswith("ThreadPool") for thread in threading.enumerate())
+
+
+def test_preparing_two_shapes_tells_its_distances() -> None:
+    heard: set[str] = set()
+    with watched(lambda step, done, total: heard.add(step)):
+        qg.match(qg.Surface(*blob(2, 0)), qg.Surface(*blob(2, 1)), workers=2)
+    assert "distances" in heard
 
 
 def test_results_do_not_depend_on_the_number_of_threads() -> None:

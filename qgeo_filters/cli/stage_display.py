@@ -91,13 +91,14 @@ class StepRate:
 
     def __init__(self) -> None:
         self._step: tuple[str, int] | None = None
-        self._started, self._first = 0.0, 0
+        self._started, self._first, self._last = 0.0, 0, 0
 
     def seconds_left(self, step: str, done: int, total: int) -> float | None:
         """Seconds until the step has ended, if they can be told."""
         now = time.monotonic()
-        if (step, total) != self._step or done < self._first:
+        if (step, total) != self._step or done < self._last:
             self._step, self._started, self._first = (step, total), now, done
+        self._last = done
         made = done - self._first
         return (now - self._started) / made * (total - done) if made > 0 else None
 

@@ -28,9 +28,11 @@ from qgeo_filters.matching.selection.signatures import hks_agreement
 from qgeo_filters.matching.smooth_shells import DenseMap
 from qgeo_filters.matching.topological_noise import robust_to_shortcuts
 from qgeo_filters.matching.verdict import verdict, with_hand, with_hints, with_sides
-from qgeo_filters.parallel import concurrently, default_workers, single_threaded_blas
+from qgeo_filters.parallel import concurrently, default_workers, report_progress, single_threaded_blas
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
 from qgeo_filters.validation import frozen
+
+_STAGES = 3  # prepare, search, register
 
 
 @overload
@@ -163,7 +165,7 @@ def match(
     distances are kept to 0.000 sqrt(area) in the mean; there is no other map
     """
     checked_mirror(mirror)
-    bar = tqdm(total=3, desc="prepare", disable=not progress)
+    bar = tqdm(total=_STAGES, desc="prepare", disable=not progress)
     with default_workers(workers), single_threaded_blas, bar:
         problem = MatchProblem.of(
             x, y, parameters, repair=repair, landmarks=landmarks, labels=labels, progress=progress
@@ -176,11 +178,11 @@ def match(
         if not normalize:
             check_same_size(problem.x.full, problem.y.full, problem.parameters.same_area)
         _prepare(problem)
-        _next(bar, "search")
+        _next(bar, 1, "search")
         choice = robust_to_shortcuts(problem, chosen_map(problem, mirror))
-        _next(bar, "register")
+        _next(bar, 2, "register")
         dense = finished(problem.with_mirrored_y() if choice.mirrored else problem, choice.decision.best.dense)
-        _next(bar, "matched")
+        _next(bar, 3, "matched")
         found = described(problem, choice, dense, mirror)
         if partial == "auto" and mirror != "yes":
             found = better_as_part(problem, found)
@@ -201,9 +203,10 @@ def _prepare(problem: MatchProblem) -> None:
     concurrently(prepared, shapes)
 
 
-def _next(bar: tqdm, stage: str) -> None:
+def _next(bar: tqdm, done: int, stage: str) -> None:
     bar.update()
     bar.set_description(stage)
+    report_progress(stage, done, _STAGES)
 
 
 def described(problem: MatchProblem, choice: Found, dense: DenseMap, mirror: MirrorOption) -> MatchResult:

@@ -54,6 +54,26 @@ def test_a_watcher_hears_of_each_step_and_may_end_the_work(workers):
     assert len(done) < 100
 
 
+def test_seeking_a_map_tells_its_distances_and_stages(pair, monkeypatch):
+    """Though both shapes are prepared in threads of their own; the button ends those, too."""
+    told, threads = [], set()
+    monkeypatch.setattr(LongWork, "_moved", lambda self, *step: (told.append(step), threads.add(threading.get_ident())))
+    x, y = (shape.with_vertices(1.25 * shape.vertices) for shape in pair[:2])  # not kept by another test
+    qw.compare(x, y, progress=False).close()
+    assert threads == {threading.get_ident()}
+    assert {"distances", "search", "register", "matched"} <= {step for step, _, _ in told}
+    assert all(0 < done <= total for _, done, total in told)
+
+    def cancelled(self, step, done, total):
+        raise CancelledWorkError(f"left at {step}")
+
+    monkeypatch.setattr(LongWork, "_moved", cancelled)
+    widget = qw.compare(*(shape.with_vertices(1.5 * shape.vertices) for shape in (x, y)), progress=False)
+    assert widget.message.startswith("left at ")
+    assert not any(thread.name.startswith("ThreadPool") for thread in threading.enumerate())
+    widget.close()
+
+
 @pytest.mark.parametrize("what", ["mirrored", "eigenfunction"])
 def test_the_button_cancels_and_state_and_picture_stay(pair, slow, what):
     widget = qw.compare(pair[0], pair[1], p2p=pair[2])
