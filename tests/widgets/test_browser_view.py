@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import io
+from xml.etree import ElementTree
 
 import browser as tools
 import matplotlib.image
@@ -11,6 +13,8 @@ import pytest
 
 import qgeo_widgets as qw
 from qgeo_widgets import compared_colors as names
+
+SVG = "{http://www.w3.org/2000/svg}"
 
 pytestmark = pytest.mark.browser
 
@@ -115,6 +119,28 @@ def test_a_picture_is_as_large_as_was_asked_for_and_clear_around_the_shapes(page
     assert picture.shape[1] == pytest.approx(2 * whole["width"], abs=2)
     assert picture[2, 2, 3] == 0
     assert 0.05 < (picture[..., 3] == 1).mean() < 0.6
+
+
+def test_a_picture_as_svg_has_titles_and_legend_as_text(page, view):
+    page.get_by_text("view and picture").click()
+    page.get_by_label("form").select_option("SVG, with legend")
+    with page.expect_download() as download:
+        page.get_by_role("button", name="save picture").click()
+    assert download.value.suggested_filename == "qgeo-picture.svg"
+    root = ElementTree.parse(download.value.path()).getroot()
+    words = {text.text for text in root.iter(f"{SVG}text")}
+    assert {"X, 162 vertices", "Y, 162 vertices", "height"} <= words
+    on_page = set(page.locator("#legend").inner_text().split())
+    assert on_page <= {word for text in words for word in text.split()}
+    (image,) = root.iter(f"{SVG}image")
+    pixels = matplotlib.image.imread(io.BytesIO(base64.b64decode(image.get("href").partition("base64,")[2])), "png")
+    whole = page.locator("#panes").bounding_box()
+    assert pixels.shape[1] == pytest.approx(whole["width"], abs=2)
+    assert 0.02 < (pixels[..., 3] == 1).mean() < 1
+    legend = next(each for each in root if each.tag == f"{SVG}svg" and each.find(f"{SVG}linearGradient") is not None)
+    frame = next(each for each in root if each.find(f"{SVG}image") is not None)
+    assert float(legend.get("y")) == float(frame.get("height"))  # nothing over anything else
+    assert float(root.get("height")) == float(legend.get("y")) + float(legend.get("height"))
 
 
 def test_the_checkerboard_is_sharp_within_triangles(page, view):

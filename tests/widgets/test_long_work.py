@@ -10,7 +10,7 @@ import pytest
 import qgeo_widgets as qw
 from qgeo_filters.filters import stages
 from qgeo_filters.parallel import in_threads, run_tasks, watched
-from qgeo_widgets import matrix_widget, shape
+from qgeo_widgets import long_work, matrix_widget, shape
 from qgeo_widgets.compare_widget import CARRIED
 from qgeo_widgets.long_work import CancelledWorkError, LongWork
 
@@ -57,17 +57,22 @@ def test_a_watcher_hears_of_each_step_and_may_end_the_work(workers):
 def test_seeking_a_map_tells_its_distances_and_stages(pair, monkeypatch):
     """Though both shapes are prepared in threads of their own; the button ends those, too."""
     told, threads = [], set()
-    monkeypatch.setattr(LongWork, "_moved", lambda self, *step: (told.append(step), threads.add(threading.get_ident())))
+
+    def hear(*step):
+        told.append(step)
+        threads.add(threading.get_ident())
+
+    monkeypatch.setattr(long_work, "watched", lambda _: watched(hear))
     x, y = (shape.with_vertices(1.25 * shape.vertices) for shape in pair[:2])  # not kept by another test
     qw.compare(x, y, progress=False).close()
     assert threads == {threading.get_ident()}
     assert {"distances", "search", "register", "matched"} <= {step for step, _, _ in told}
     assert all(0 < done <= total for _, done, total in told)
 
-    def cancelled(self, step, done, total):
+    def cancelled(step, done, total):
         raise CancelledWorkError(f"left at {step}")
 
-    monkeypatch.setattr(LongWork, "_moved", cancelled)
+    monkeypatch.setattr(long_work, "watched", lambda _: watched(cancelled))
     widget = qw.compare(*(shape.with_vertices(1.5 * shape.vertices) for shape in (x, y)), progress=False)
     assert widget.message.startswith("left at ")
     assert not any(thread.name.startswith("ThreadPool") for thread in threading.enumerate())

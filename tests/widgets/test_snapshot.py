@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import io
+from xml.etree import ElementTree
 
 import matplotlib.image
 import numpy as np
@@ -12,6 +14,8 @@ import shapes
 import qgeo_widgets as qw
 from qgeo_filters import Surface
 from qgeo_filters.errors import ParameterError
+from qgeo_widgets.fields import ScalarField, region_field
+from qgeo_widgets.legend import css
 from qgeo_widgets.offscreen import pane_picture
 from qgeo_widgets.rendering.camera_view import CameraView
 from qgeo_widgets.rendering.viewer import FIELD_OF_VIEW
@@ -96,3 +100,61 @@ def test_the_chart_is_in_the_picture():
     violet = (np.abs(picture - np.array([0x7B, 0x3F, 0xB5]) / 255) < 0.03).all(axis=2)
     assert violet.any(axis=1).sum() > 100  # the cursor
     widget.close()
+
+
+SVG = "{http://www.w3.org/2000/svg}"
+HREF = "{http://www.w3.org/1999/xlink}href"
+
+
+def test_an_svg_has_the_shapes_as_pixels_and_all_else_as_text_and_lines(pair, tmp_path):
+    widget = qw.compare(pair[0], pair[1], p2p=pair[2])
+    widget.mode = "attribute: height"
+    path = tmp_path / "picture.svg"
+    data = widget.snapshot(path, dpi=96)
+    assert path.read_bytes() == data == widget.snapshot(form="svg", dpi=96)  # neither time nor chance are in it
+    root = ElementTree.fromstring(data)
+    pictures = [base64.b64decode(image.get(HREF).partition("base64,")[2]) for image in root.iter(f"{SVG}image")]
+    shapes_only = [size_of(picture) for picture in pictures if min(size_of(picture)) > 50]
+    assert len(shapes_only) == 2
+    for picture, pane in zip(pictures, widget._viewer.panes, strict=False):
+        drawn = matplotlib.image.imread(io.BytesIO(picture), format="png")[..., :3]
+        expected = pane_picture(widget._viewer, pane, *widget._viewer.size) / 255
+        assert drawn.shape == expected.shape
+        assert min(np.abs(drawn - expected).mean(), np.abs(drawn[::-1] - expected).mean()) < 1 / 255
+    texts = {"".join(text.itertext()).strip() for text in root.iter(f"{SVG}text")}
+    assert {"X", "Y", "height"} <= texts
+    low, high = (float(f(pair[0].attributes["height"])) for f in (np.min, np.max))
+    ticks = [float(text.replace("−", "-")) for text in texts - {"X", "Y", "height"}]
+    assert len(ticks) >= 3
+    assert all(low <= tick <= high for tick in ticks)
+    widget.close()
+
+
+def test_a_form_that_is_none_is_named(pair, tmp_path):
+    widget = qw.compare(pair[0], pair[1], p2p=pair[2])
+    with pytest.raises(ParameterError, match="form must be one of png, svg, got 'gif'"):
+        widget.snapshot(form="gif")
+    assert widget.snapshot(tmp_path / "a.png").startswith(b"\x89PNG")
+    widget.close()
+
+
+def test_the_legend_that_browsers_save_says_what_the_one_on_screen_says(pair):
+    values = np.linspace(-1.0, 3.0, 162)
+    values[7] = np.nan
+    fields = [
+        ScalarField([values], "a < b & c", signed=False),
+        region_field([np.arange(30) % 12], "regions of one colour belong together"),
+    ]
+    for field in fields:
+        root = ElementTree.fromstring(field.drawing(None))
+        words = " ".join(text.text for text in root.iter(f"{SVG}text"))
+        html = ElementTree.fromstring(field.legend(None).replace("&ensp;", " ").replace("<br>", ""))
+        assert sorted(words.split()) == sorted(" ".join(html.itertext()).split())
+        width, height = float(root.get("width")), float(root.get("height"))
+        for text in root.iter(f"{SVG}text"):
+            assert 0 < float(text.get("x")) < width
+            assert 0 < float(text.get("y")) < height
+    stops = [stop.get("stop-color") for stop in ElementTree.fromstring(fields[0].drawing(None)).iter(f"{SVG}stop")]
+    assert [stops[0], stops[-1]] == [css(color) for color in fields[0].scale(None)(np.array([-1.0, 3.0]))]
+    swatches = [box.get("fill") for box in ElementTree.fromstring(fields[1].drawing(None)).iter(f"{SVG}rect")]
+    assert swatches == [css(color) for color, _ in fields[1].key]

@@ -22,6 +22,7 @@ from qgeo_widgets.rendering.motion import Motion, placements_of
 from qgeo_widgets.rendering.pane import CLAY
 from qgeo_widgets.rendering.viewer import Viewer
 from qgeo_widgets.shape import Shape
+from qgeo_widgets.snapshot_figure import Form
 
 PLAIN = "plain"
 
@@ -182,10 +183,10 @@ class AnimateWidget(ShapeWidget):
 
     # -- pictures and pages -------------------------------------------------------------------------
 
-    def snapshot(self, path: str | PathLike[str] | None = None, *, dpi: int = 144) -> bytes:
-        """PNG of what is shown at this time, see `ShapeWidget.snapshot`."""
+    def snapshot(self, path: str | PathLike[str] | None = None, *, dpi: int = 144, form: Form | None = None) -> bytes:
+        """PNG or SVG of what is shown at this time, see `ShapeWidget.snapshot`."""
         self._pose()
-        return super().snapshot(path, dpi=dpi)
+        return super().snapshot(path, dpi=dpi, form=form)
 
     def to_html(self, path: str | PathLike[str], *, modes: Sequence[str] | None = None) -> None:
         """Write one web page that plays anywhere, offline, with the controls of the widget.

@@ -21,7 +21,7 @@ from qgeo_widgets.offscreen import data_url, pane_picture, png_url, snapshot
 from qgeo_widgets.rendering.disposal import close_tree
 from qgeo_widgets.rendering.viewer import Viewer, checked_camera
 from qgeo_widgets.saved_image import LIVE, display_with_image
-from qgeo_widgets.snapshot_figure import Chart, Picture
+from qgeo_widgets.snapshot_figure import FORMS, Chart, Form, Picture, picture_form
 
 if TYPE_CHECKING:
     from qgeo_widgets.export import Page
@@ -102,8 +102,8 @@ class ShapeWidget(ColoredWidget):
         if self._viewer is not None:
             self._viewer.reset()
 
-    def snapshot(self, path: str | PathLike[str] | None = None, *, dpi: int = 144) -> bytes:
-        """PNG of what is shown, from where the camera stands, with titles, legend and chart; drawn in software.
+    def snapshot(self, path: str | PathLike[str] | None = None, *, dpi: int = 144, form: Form | None = None) -> bytes:
+        """PNG or SVG of what is shown, from where the camera stands, with titles, legend and chart; drawn in software.
 
         Parameters
         ----------
@@ -111,16 +111,23 @@ class ShapeWidget(ColoredWidget):
             File that it is written to.
         dpi : int
             Pixels for an inch, of which 96 pixels on screen are one: 96 is as large as on screen. From 20 to 1200.
+        form : {"png", "svg"}, optional
+            SVG keeps titles, legend and chart as text and lines, and holds the shapes as pixels. By default what the
+            path ends in, PNG without one.
         """
         checked_count(dpi, 20, 1200, "dpi")
+        chosen_form = picture_form(path, form)
         if self._viewer is None:
             raise ParameterError(f"there is nothing to draw: {self.message}")
         before, chart = self._pictured()
-        png = snapshot(self._viewer, self._titles, self._field, self.limits, before=before, chart=chart, dpi=dpi)
+        picture = snapshot(
+            self._viewer, self._titles, self._field, self.limits,
+            before=before, chart=chart, dpi=dpi, form=chosen_form,
+        )  # fmt: skip
         if path is not None:
             with atomic_write(path) as file:
-                file.write(png)
-        return png
+                file.write(picture)
+        return picture
 
     def to_html(self, path: str | PathLike[str], *, modes: Sequence[str] | None = None) -> None:
         """Write one web page that opens anywhere, offline: shapes that turn together, modes, marks, partners.
@@ -213,8 +220,11 @@ class ShapeWidget(ColoredWidget):
 
     def _offer_snapshot(self) -> None:
         with self._guarded():
-            url = data_url(self.snapshot())
-            self._saved.value = f'<a download="qgeo-snapshot.png" href="{url}">save snapshot.png</a>'
+            pictures = {form: data_url(self.snapshot(form=form), form) for form in FORMS}
+            links = [
+                f'<a download="qgeo-snapshot.{form}" href="{url}">{form.upper()}</a>' for form, url in pictures.items()
+            ]
+            self._saved.value = f"save snapshot: {', '.join(links)}"
 
     def _draw_stills(self) -> None:
         viewer = self._open_viewer

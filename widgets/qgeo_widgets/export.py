@@ -145,6 +145,7 @@ def matrix_data(
         "lut": lut,
         "vertices": np.asarray(vertices, dtype=np.int32),
         "legend": shown.legend(None),
+        "drawing": shown.drawing(None),
         "scale": _span(shown, None),
     }
 
@@ -170,7 +171,7 @@ def _painted(shown: Field, limits: Limits | None, panes_drawn: Sequence[Pane]) -
         for values, pane in zip(shown.values, panes_drawn, strict=True):
             index, lut = _indexed(pane.display.at_vertices(values), shown, limits)
             panes.append({"lut": lut, "index": index})
-        return {"legend": shown.legend(limits), "panes": panes, "scale": _span(shown, limits)}
+        return {**_legends(shown, limits), "panes": panes, "scale": _span(shown, limits)}
     panes = [
         {"rgb": color_bytes(pane.display.at_vertices(rgb))}
         for rgb, pane in zip(shown.colors(None), panes_drawn, strict=True)
@@ -179,11 +180,15 @@ def _painted(shown: Field, limits: Limits | None, panes_drawn: Sequence[Pane]) -
         for cells, pane, entry in zip(shown.cells, panes_drawn, panes, strict=True):
             entry["cells"] = pane.display.at_vertices(cells).astype(np.float32)
     if not isinstance(shown, RegionField):
-        return {"legend": shown.legend(limits), "panes": panes}
+        return {**_legends(shown, limits), "panes": panes}
     for pane, numbers, entry in zip(panes_drawn, shown.numbers(), panes, strict=True):
         entry["regions"] = pane.display.at_vertices(numbers).astype(np.int32)
         entry["borders"] = border_data(pane, numbers, shown.palette)
-    return {"legend": shown.legend(limits), "panes": panes, "names": list(shown.names)}
+    return {**_legends(shown, limits), "panes": panes, "names": list(shown.names)}
+
+
+def _legends(shown: Field, limits: Limits | None) -> dict[str, str]:
+    return {"legend": shown.legend(limits), "drawing": shown.drawing(limits)}
 
 
 def _span(shown: ScalarField, limits: Limits | None) -> Limits:

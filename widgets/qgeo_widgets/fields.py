@@ -11,6 +11,7 @@ import numpy.typing as npt
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.report.colors import ColorScale, distinct, diverging, sequential
 from qgeo_widgets.legend import color_bar, swatches
+from qgeo_widgets.legend_drawing import bar_drawing, swatch_drawing
 
 Limits = tuple[float, float]
 _MOST_KEYS = 24  # names of regions that a legend has room for
@@ -65,8 +66,15 @@ class ScalarField:
 
     def legend(self, limits: Limits | None) -> str:
         """Colour bar with ticks as HTML."""
-        missing = any(not np.isfinite(values).all() for values in self.values)
-        return color_bar(self.scale(limits), self.label, missing=missing)
+        return color_bar(self.scale(limits), self.label, missing=self._missing)
+
+    def drawing(self, limits: Limits | None) -> str:
+        """The same as SVG."""
+        return bar_drawing(self.scale(limits), self.label, missing=self._missing)
+
+    @property
+    def _missing(self) -> bool:
+        return any(not np.isfinite(values).all() for values in self.values)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +106,10 @@ class ColorField:
     def legend(self, limits: Limits | None) -> str:
         """The sentence as HTML, with swatches where there is a key."""
         return swatches(self.label, self.key)
+
+    def drawing(self, limits: Limits | None) -> str:
+        """The same as SVG."""
+        return swatch_drawing(self.label, self.key)
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,6 +149,10 @@ class RegionField:
     def legend(self, limits: Limits | None) -> str:
         """The sentence as HTML, with swatches."""
         return swatches(self.label, self.key)
+
+    def drawing(self, limits: Limits | None) -> str:
+        """The same as SVG."""
+        return swatch_drawing(self.label, self.key)
 
 
 Field = ScalarField | ColorField | RegionField

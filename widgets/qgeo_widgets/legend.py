@@ -21,10 +21,10 @@ def color_bar(scale: ColorScale, label: str, *, missing: bool = False) -> str:
     """Colour bar of a scale with ticks at round numbers and its label; with a grey swatch if values are missing."""
     values = np.linspace(scale.low, scale.high, _STOPS + 1) if scale.high > scale.low else np.full(2, scale.low)
     gradient = ", ".join(map(css, scale(values)))
-    ticks = "".join(
+    marks = "".join(
         f'<span style="position:absolute;left:{100 * place:.2f}%;transform:translateX(-50%);white-space:nowrap">'
         f'<span style="display:block;width:1px;height:4px;background:currentColor;margin:0 auto"></span>{text}</span>'
-        for place, text in _ticks(scale.low, scale.high)
+        for place, text in ticks(scale.low, scale.high)
     )
     note = f"&ensp;{_swatch(np.array(MISSING))} no value" if missing else ""
     return (
@@ -32,7 +32,7 @@ def color_bar(scale: ColorScale, label: str, *, missing: bool = False) -> str:
         f'<div style="padding-bottom:3px">{escape(label)}{note}</div>'
         f'<div style="height:12px;border:1px solid rgba(128,128,128,.6);'
         f'background:linear-gradient(to right, {gradient})"></div>'
-        f'<div style="position:relative;height:21px">{ticks}</div></div>'
+        f'<div style="position:relative;height:21px">{marks}</div></div>'
     )
 
 
@@ -60,7 +60,7 @@ def _swatch(color: npt.NDArray[np.floating]) -> str:
     )
 
 
-def _ticks(low: float, high: float) -> list[tuple[float, str]]:
+def ticks(low: float, high: float) -> list[tuple[float, str]]:
     """Places from 0 to 1 and texts of round numbers between the limits."""
     if not high > low:
         return [(0.5, f"{low:.4g}")]

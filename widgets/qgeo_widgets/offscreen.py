@@ -17,7 +17,7 @@ from qgeo_widgets.fields import Field, Limits
 from qgeo_widgets.rendering.camera_view import CameraView
 from qgeo_widgets.rendering.pane import Pane
 from qgeo_widgets.rendering.viewer import Viewer
-from qgeo_widgets.snapshot_figure import Chart, Picture, figure_png, picture_size
+from qgeo_widgets.snapshot_figure import Chart, Form, Picture, figure_bytes, picture_size
 
 _BACKGROUND = (0.969, 0.969, 0.973)
 _FLAT = View(np.eye(3), np.array([0.0, 1.0, 0.0]))
@@ -56,12 +56,13 @@ def snapshot(
     before: Sequence[tuple[str, Picture]] = (),
     chart: Chart | None = None,
     dpi: int = 144,
+    form: Form = "png",
 ) -> bytes:
-    """PNG of all panes as the camera shows them, with their titles, the legend, pictures before them and a chart."""
+    """PNG or SVG of all panes as the camera shows them, with titles, legend, pictures before them and a chart."""
     size = picture_size(viewer.size, dpi)
     panes = [(title, pane_picture(viewer, pane, *size)) for pane, title in zip(viewer.panes, titles, strict=True)]
     pictures = [*before, *panes]
-    return figure_png(pictures, [viewer.size] * len(pictures), field, limits, chart, dpi)
+    return figure_bytes(pictures, [viewer.size] * len(pictures), field, limits, chart, dpi, form)
 
 
 def png_url(picture: Picture) -> str:
@@ -71,9 +72,10 @@ def png_url(picture: Picture) -> str:
     return data_url(buffer.getvalue())
 
 
-def data_url(png: bytes) -> str:
-    """A PNG as a data URL."""
-    return "data:image/png;base64," + base64.b64encode(png).decode()
+def data_url(picture: bytes, form: Form = "png") -> str:
+    """A picture as a data URL."""
+    kind = "svg+xml" if form == "svg" else form
+    return f"data:image/{kind};base64,{base64.b64encode(picture).decode()}"
 
 
 def _paint(pane: Pane) -> dict[str, Any]:

@@ -82,6 +82,9 @@ class PythreejsViewer(Viewer):
     def set_brush(self, on: bool) -> None:
         """Controls of pythreejs turn whatever is dragged: clicks alone paint, and they are picks anyway."""
 
+    def set_legend(self, drawing: str) -> None:
+        """Nothing: pythreejs saves no pictures."""
+
     def show_stills(self, urls: Sequence[str]) -> None:
         """Pictures of the panes, for where the browser has no WebGL."""
         for fallback, url in zip(self._fallbacks, urls, strict=True):

@@ -24,6 +24,8 @@ class SceneWidget(anywidget.AnyWidget):
         ``position`` and ``target``; set by the browser, too.
     look : dict
         What the panel of the view sets: edges, flat, orthographic, opacity, light, background.
+    legend : str
+        SVG, for pictures that are saved as such.
     brush : bool
         Whether a press on a shape paints, and does not turn it.
     tick : float
@@ -40,6 +42,7 @@ class SceneWidget(anywidget.AnyWidget):
     lines: traitlets.List[Any] = traitlets.List().tag(sync=True)
     camera: traitlets.Dict[str, Any] = traitlets.Dict().tag(sync=True)
     look: traitlets.Dict[str, Any] = traitlets.Dict().tag(sync=True)
+    legend: traitlets.Unicode[str, str | bytes] = traitlets.Unicode().tag(sync=True)
     brush = traitlets.Bool(False).tag(sync=True)
     tick = traitlets.Float(0.0).tag(sync=True)
     ticks = traitlets.Int(TICKS).tag(sync=True)

@@ -141,6 +141,10 @@ class Viewer(ABC):
         yield
 
     @abstractmethod
+    def set_legend(self, drawing: str) -> None:
+        """The legend as SVG, for pictures that the browser saves, where it does."""
+
+    @abstractmethod
     def show_stills(self, urls: Sequence[str]) -> None:
         """Pictures of the panes, for where the browser can draw nothing itself."""
 

@@ -112,6 +112,10 @@ class WebglViewer(Viewer):
         """Pictures of the panes, for where the browser has no WebGL."""
         self._scene.stills = list(urls)
 
+    def set_legend(self, drawing: str) -> None:
+        """The legend as SVG, for pictures that the browser saves."""
+        self._scene.legend = drawing
+
     def on_redraw(self, callback: Callable[[], None]) -> None:
         """Call back when a reader of such pictures asks for new ones."""
         self._on_redraw.append(callback)

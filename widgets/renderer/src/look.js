@@ -93,16 +93,18 @@ export class LookPanel {
   #picture() {
     const group = document.createElement('span');
     const size = choice({1: 'as on screen', 2: '2 times as large', 4: '4 times as large'});
+    const form = choice({png: 'PNG', svg: 'SVG, with legend'});
     const clear = document.createElement('input');
     clear.type = 'checkbox';
     const save = button('save picture', async () => {
       const link = document.createElement('a');
-      link.download = 'qgeo-picture.png';
-      link.href = URL.createObjectURL(await this.view.picture(Number(size.value), clear.checked));
+      link.download = `qgeo-picture.${form.value}`;
+      const made = form.value === 'svg' ? 'drawing' : 'picture';
+      link.href = URL.createObjectURL(await this.view[made](Number(size.value), clear.checked));
       link.click();
       setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
     });
-    group.append(labelled(size, 'picture', true), labelled(clear, 'no background', false), save);
+    group.append(labelled(size, 'picture', true), labelled(form, 'form', true), labelled(clear, 'no background', false), save);
     return group;
   }
 }

@@ -69,6 +69,7 @@ class Page {
     const step = mode.steps[k - 1];
     step.panes.forEach((pane, i) => this.view.paint(i, painted(pane, step)));
     element('legend').innerHTML = step.legend;
+    this.view.legend = step.drawing;
   }
 
   /* What was marked when the page was written, until the first click: then only what lasts, and the new pick. */
@@ -106,6 +107,7 @@ class Page {
       this.view.paint(0, painted({index: rows.subarray(row * n, (row + 1) * n), lut: matrix.lut}, matrix));
       this.pick([vertices[row]]);
       element('legend').innerHTML = matrix.legend;
+      this.view.legend = matrix.drawing;
       element('picked').textContent = `row ${row}: distances from vertex ${vertices[row]}`;
     }});
     canvas.setImage(matrix.image);

@@ -3,6 +3,7 @@ import {ColorManagement, LinearSRGBColorSpace, OrthographicCamera, PerspectiveCa
 import {LookPanel} from './look.js';
 import {Orbit} from './orbit.js';
 import {Pane} from './pane.js';
+import {withLegend} from './picture.js';
 
 /* Colours are those of the legend, as they are. */
 ColorManagement.enabled = false;
@@ -41,6 +42,7 @@ export class View {
     this.panel = new LookPanel(this);
     root.append(this.canvas, this.grid, this.panel.element, this.tip);
     this.look = this.panel.state;
+    this.legend = '';  /* SVG, for pictures that are saved as such */
     this.brush = false;  /* whether a press on a shape paints, and does not turn it */
     this.observer = new ResizeObserver(() => this.#render());
     this.observer.observe(root);
@@ -114,6 +116,19 @@ export class View {
     this.renderer.setPixelRatio(ratio);
     this.#render();
     return blob;
+  }
+
+  /* SVG of the same picture, with the titles of the shapes and the legend as text and lines, as a Blob. */
+  async drawing(factor, transparent) {
+    const png = await this.picture(factor, transparent);
+    const box = this.root.getBoundingClientRect();
+    const captions = this.windows.map((window) => {
+      const place = window.getBoundingClientRect();
+      const text = window.previousSibling.textContent;
+      return {text, x: place.left - box.left + 2, y: place.top - box.top - 5};
+    });
+    const height = this.grid.getBoundingClientRect().bottom - box.top;
+    return withLegend(png, [box.width, box.height], height, captions, this.legend, transparent);
   }
 
   dispose() {

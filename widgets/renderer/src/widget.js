@@ -17,6 +17,7 @@ export function render({model, el}) {
   follow('paints', (paints) => paints.forEach((paint, i) => view.paint(i, paint)));
   follow('marks', (marks) => marks.forEach((each, i) => view.setMarks(i, each)));
   follow('lines', (lines) => lines.forEach((each, i) => view.setLines(i, each)));
+  follow('legend', (legend) => { view.legend = legend; });
   follow('brush', (brush) => { view.brush = brush; });
   follow('look', (look) => view.setLook(look));
   follow('tick', (tick) => view.showTime(timeAt(tick, model.get('ticks'), view.frames)));
