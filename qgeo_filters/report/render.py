@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -31,6 +31,8 @@ def render_mesh(
     colors: npt.ArrayLike | None = None,
     labels: npt.ArrayLike | None = None,
     cells: npt.ArrayLike | None = None,
+    places: npt.ArrayLike | None = None,
+    texture: Callable[[FloatArray], FloatArray] | None = None,
     scale: ColorScale | None = None,
     isolines: npt.ArrayLike = (),
     glyphs: Sequence[Glyph] = (),
@@ -59,6 +61,10 @@ def render_mesh(
     cells : array-like, shape (n, d), optional
         Coordinates in which a checkerboard of cells of size 1 lies: every other cell is darker. Interpolated over each
         triangle, so that a triangle whose corners lie far apart there shows many cells.
+    places : array-like, shape (n, 2), optional
+        Of the vertices on a texture, interpolated; with ``texture``, in place of values and colours.
+    texture : callable, optional
+        From places (p, 2) to RGB in [0, 1], (p, 3).
     scale : ColorScale, optional
         Viridis over the finite values by default.
     isolines : array-like, shape (l,)
@@ -112,6 +118,9 @@ def render_mesh(
         albedo[own] *= 1.0 - _LINE_DARKNESS * cover[:, None]
     elif palette is not None:
         albedo[own] = _palette_colors(palette, labels, surface, on_surface)
+    elif texture is not None and places is not None:
+        where = _interpolated(_checked_cells(places, surface.n_vertices, "places"), surface, on_surface)
+        albedo[own] = texture(where.astype(np.float64))
 
     if cells is not None:
         odd = _odd_cells(_checked_cells(cells, surface.n_vertices), surface, on_surface)
@@ -195,10 +204,10 @@ def _checked_values(values: npt.ArrayLike | None, n_vertices: int) -> FloatArray
     return array
 
 
-def _checked_cells(cells: npt.ArrayLike, n_vertices: int) -> FloatArray:
+def _checked_cells(cells: npt.ArrayLike, n_vertices: int, name: str = "cells") -> FloatArray:
     array = np.asarray(cells, dtype=np.float64)
     if array.ndim != 2 or len(array) != n_vertices:
-        raise ParameterError(f"cells have shape {array.shape}, expected ({n_vertices}, d)")
+        raise ParameterError(f"{name} have shape {array.shape}, expected ({n_vertices}, d)")
     return array
 
 

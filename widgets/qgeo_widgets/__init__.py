@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Mapping
 
     import numpy.typing as npt
@@ -157,6 +158,8 @@ def compare(
     *,
     p2p: npt.ArrayLike | MatchResult | None = None,
     truth: npt.ArrayLike | None = None,
+    texture: str | os.PathLike[str] | npt.ArrayLike | None = None,
+    texture_coordinates: str | npt.ArrayLike | None = None,
     curvature_weight: float = CURVATURE_WEIGHT,
     size: tuple[int, int] = (440, 400),
     progress: bool = True,
@@ -176,6 +179,13 @@ def compare(
         each vertex of X. By default found by `qgeo_filters.match`, with a progress bar.
     truth : array-like of int, shape (n_x,), optional
         The true map, to show the error.
+    texture : path, or array-like, shape (h, w), (h, w, 3) or (h, w, 4), optional
+        A picture on X, carried to Y: a file that Pillow reads, bytes, or numbers from 0 to 1. Of more than 1024 pixels
+        a side it is made smaller. The backend of pythreejs shows its colours at the vertices alone.
+    texture_coordinates : str, or array-like, shape (n_x, 2), optional
+        Places of the vertices of X on the picture, from 0 to 1, right and up; or the name of an attribute. By default
+        the attribute ``uv`` (``s`` and ``t``, ``u`` and ``v``, ``texture_u`` and ``texture_v``) of X where there is
+        one; else the picture is thrown at X from the front of the first view.
     curvature_weight : float
         Of the lifted metric in which distances are shown; 0 is the surfaces' own.
     size : (int, int)
@@ -195,7 +205,17 @@ def compare(
     """
     from qgeo_widgets.compare_widget import CompareWidget
 
-    return CompareWidget(x, y, p2p=p2p, truth=truth, curvature_weight=curvature_weight, size=size, progress=progress)
+    return CompareWidget(
+        x,
+        y,
+        p2p=p2p,
+        truth=truth,
+        texture=texture,
+        texture_coordinates=texture_coordinates,
+        curvature_weight=curvature_weight,
+        size=size,
+        progress=progress,
+    )
 
 
 def geodesics(

@@ -114,6 +114,7 @@ class ColoredWidget(GuardedWidget):
                     pane.set_regions(None)
                     pane.set_values(field.values[number] if isinstance(field, ScalarField) else None)
                 pane.set_cells(field.cells[number] if isinstance(field, ColorField) and field.cells else None)
+                pane.set_places(field.places[number] if isinstance(field, ColorField) and field.places else None)
             viewer.set_legend(field.drawing(limits))
         self._legend.value = field.legend(limits)
 

@@ -12,7 +12,7 @@ import traitlets
 from qgeo_filters.validation import checked_index, checked_indices
 from qgeo_widgets import controls
 from qgeo_widgets.brush import Brush
-from qgeo_widgets.compared_colors import CARRIED, DISTANCE, DISTORTION, ERROR, PAINTED, ComparedColors
+from qgeo_widgets.compared_colors import CARRIED, DISTANCE, DISTORTION, ERROR, PAINTED, TEXTURE, ComparedColors
 from qgeo_widgets.fields import ScalarField
 from qgeo_widgets.matching_widget import SIDES
 from qgeo_widgets.rendering.backends import new_viewer
@@ -48,6 +48,8 @@ class CompareWidget(ComparedColors):
         *,
         p2p: npt.ArrayLike | MatchResult | None,
         truth: npt.ArrayLike | None,
+        texture: Any,
+        texture_coordinates: Any,
         curvature_weight: float,
         size: tuple[int, int],
         progress: bool,
@@ -60,8 +62,10 @@ class CompareWidget(ComparedColors):
             placement_x = placement_of(surfaces[0])
             seen = surfaces[1].vertices[self._map.forward]
             placement_y = aligned_placement(surfaces[1], seen, placement_x.to_scene(surfaces[0].vertices))
+            self._set_texture(texture, texture_coordinates, placement_x.to_scene(surfaces[0].vertices))
             titles = [f"<b>{s.name}</b>, {s.surface.n_vertices} vertices" for s in self._shapes]
             viewer = new_viewer(surfaces, [placement_x, placement_y], size, titles)
+            viewer.set_texture(self._texture)
             self._modes = self._make_modes()
             follow = controls.tick("distances on click", True, "a click also shows the distances from the point")
             traitlets.link((self, "follow"), (follow, "value"))
@@ -73,7 +77,8 @@ class CompareWidget(ComparedColors):
             wipe.on_click(lambda _: self.set_trait("painted", []))
             self._worst = WorstList(self.look_at)
             controls_beside = [follow, *beside, brush, wipe]
-            self._assemble(viewer, ["X", "Y"], CARRIED, beside=controls_beside, below=[self._worst, *below])
+            first = CARRIED if self._texture is None else TEXTURE
+            self._assemble(viewer, ["X", "Y"], first, beside=controls_beside, below=[self._worst, *below])
             self.observe(lambda change: self._open_viewer.set_brush(change["new"]), "brush")
             self.observe(lambda _: self._show_painted(), "painted")
             self.observe(lambda _: self._show_picks(), ["picked", "second"])

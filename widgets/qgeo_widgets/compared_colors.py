@@ -10,10 +10,12 @@ import traitlets
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.defaults import EIGENPAIRS
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.report.colors import position_colors
 from qgeo_widgets.coloring import ATTRIBUTE, EIGENFUNCTION
 from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field, region_field
 from qgeo_widgets.matching_widget import MatchingWidget
+from qgeo_widgets.texture import Texture, texture_places
 from qgeo_widgets.vertex_map import VertexMap
 
 if TYPE_CHECKING:
@@ -24,6 +26,7 @@ REGIONS = "matched regions"
 DISTORTION = "distortion of distances"
 DISTANCE = "distance from the picked point"
 CHECKERBOARD = "checkerboard carried from X to Y"
+TEXTURE = "texture carried from X to Y"
 PAINTED = "painted region"
 ERROR = "error against the truth"
 _CELL = 0.06  # of the checkerboard, in sqrt(area) of X
@@ -46,6 +49,18 @@ class ComparedColors(MatchingWidget):
         self._truth = None if truth is None else VertexMap(one, other, truth, "truth")
         self._errors_of: dict[bool, FloatArray] = {}
 
+    def _set_texture(self, texture: Any, coordinates: Any, on_scene: FloatArray) -> None:
+        """The picture that is carried, or None; a bad one is a sentence, and all else is shown."""
+        self._texture: Texture | None = None
+        if texture is None and coordinates is not None:
+            raise ParameterError("texture_coordinates need a texture")
+        with self._guarded():
+            found = None if texture is None else Texture.of(texture)
+            if found is not None:
+                surface = self._shapes[0].surface
+                self._places = texture_places(surface, coordinates, lambda: found.projected(on_scene))
+                self._texture = found
+
     def _make_modes(self) -> dict[str, Any]:
         modes: dict[str, Any] = {
             CARRIED: self._carried_field,
@@ -57,6 +72,8 @@ class ComparedColors(MatchingWidget):
             modes |= {REGIONS: partial(self._region_field, found), DISTORTION: partial(self._distortion_field, found)}
         modes[DISTANCE] = self._distance_field
         modes[PAINTED] = self._painted_field
+        if self._texture is not None:
+            modes[TEXTURE] = partial(self._texture_field, self._texture)
         if self._truth is not None:
             modes[ERROR] = partial(self._error_field, self._truth)
         for name in {**self._shapes[0].surface.attributes, **self._shapes[1].surface.attributes}:
@@ -92,6 +109,11 @@ class ComparedColors(MatchingWidget):
         colors = self._position_colors
         label = "a checkerboard through the space around X, carried to Y: where the map tears, many cells crowd"
         return ColorField([colors, self._carried(colors)], label, cells=[places, self._carried(places)])
+
+    def _texture_field(self, texture: Texture, k: int) -> Field:
+        places = [self._places, self._carried(self._places)]
+        label = "the texture of X, carried to Y: where the map tears, it is stretched"
+        return ColorField([texture.at(each) for each in places], label, places=places)
 
     def _carried(self, values: FloatArray) -> FloatArray:
         """Values (n, d) of X on Y: within triangles where the match is known, else from vertex to vertex."""

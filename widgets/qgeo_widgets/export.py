@@ -89,6 +89,7 @@ def page_text(viewer: Viewer, page: Page, still: str) -> str:
         "setup": setup,
         "camera": {"position": viewer.camera, "target": viewer.target},
         "look": viewer.look,
+        "texture": None if viewer.texture is None else viewer.texture.encoded,
         "start": page.start,
         "step": page.step,
         "info": bool(page.info),
@@ -176,9 +177,10 @@ def _painted(shown: Field, limits: Limits | None, panes_drawn: Sequence[Pane]) -
         {"rgb": color_bytes(pane.display.at_vertices(rgb))}
         for rgb, pane in zip(shown.colors(None), panes_drawn, strict=True)
     ]
-    if isinstance(shown, ColorField) and shown.cells:
-        for cells, pane, entry in zip(shown.cells, panes_drawn, panes, strict=True):
-            entry["cells"] = pane.display.at_vertices(cells).astype(np.float32)
+    if isinstance(shown, ColorField):
+        for name, each in (("cells", shown.cells), ("places", shown.places)):
+            for values, pane, entry in zip(each, panes_drawn, panes, strict=bool(each)):
+                entry[name] = pane.display.at_vertices(values).astype(np.float32)
     if not isinstance(shown, RegionField):
         return {**_legends(shown, limits), "panes": panes}
     for pane, numbers, entry in zip(panes_drawn, shown.numbers(), panes, strict=True):

@@ -90,12 +90,15 @@ class ColorField:
         Names of the colours.
     cells : sequence of (n, 3) float64
         Coordinates in which a checkerboard of cells of size 1 lies over the colours, one array for each pane; or none.
+    places : sequence of (n, 2) float64
+        Places on the texture that is seen instead of the colours, one array for each pane; or none.
     """
 
     rgb: Sequence[FloatArray]
     label: str
     key: Sequence[tuple[FloatArray, str]] = ()
     cells: Sequence[FloatArray] = ()
+    places: Sequence[FloatArray] = ()
 
     bounds: None = None
 

@@ -37,7 +37,7 @@ def pane_picture(viewer: Viewer, pane: Pane, width: int = 400, height: int | Non
     return render_mesh(
         vertices,
         faces,
-        **_paint(pane),
+        **_paint(viewer, pane),
         view=_FLAT,
         shown=view.frame * (1.0 - 2.0 * _MARGIN),
         glyphs=[glyph for glyph in (_flat(solid, view) for solid in _glyphs(viewer, pane)) if len(glyph.faces)],
@@ -78,8 +78,10 @@ def data_url(picture: bytes, form: Form = "png") -> str:
     return f"data:image/{kind};base64,{base64.b64encode(picture).decode()}"
 
 
-def _paint(pane: Pane) -> dict[str, Any]:
+def _paint(viewer: Viewer, pane: Pane) -> dict[str, Any]:
     """Colours of a pane as `render_mesh` takes them."""
+    if viewer.texture is not None and pane.places is not None:
+        return {"places": pane.places, "texture": viewer.texture.at}
     if pane.regions is None:
         return {"colors": pane.colors, "cells": pane.cells}
     labels, palette = pane.regions

@@ -14,4 +14,5 @@ const drawsNoShapes = (error) => {
     : 'This browser shows no WebGL, so this is a still picture.');
 };
 
+window.addEventListener('unhandledrejection', (event) => drawsNoShapes(event.reason));
 window.addEventListener('error', (event) => drawsNoShapes(event.error ?? {name: 'Error', message: event.message}));

@@ -60,6 +60,7 @@ def paint_data(pane: Pane) -> dict[str, Any]:
         "names": list(pane.names) or None,
         "borders": None if pane.regions is None else border_data(pane, *pane.regions),
         "cells": None if pane.cells is None else at(pane.cells).astype(np.float32),
+        "places": None if pane.places is None else at(pane.places).astype(np.float32),
     }
 
 

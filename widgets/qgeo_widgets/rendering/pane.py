@@ -60,6 +60,8 @@ class Pane:
     names : tuple of str
     cells : (n, 3) float64 or None
         Coordinates in which a checkerboard of cells of size 1 lies over the colours.
+    places : (n, 2) float64 or None
+        Places on the viewer's texture, which is then seen instead of the colours.
     marks, lines : dict of str to Mark and to Line
         By slot.
     """
@@ -74,6 +76,7 @@ class Pane:
         self.values: FloatArray | IndexArray | None = None
         self.names: tuple[str, ...] = ()
         self.cells: FloatArray | None = None
+        self.places: FloatArray | None = None
         self.marks: dict[str, Mark] = {}
         self.lines: dict[str, Line] = {}
         self._on_pick: list[Callable[[int], None]] = []
@@ -114,6 +117,13 @@ class Pane:
             return
         self.cells = cells
         self._draw_cells()
+
+    def set_places(self, places: FloatArray | None) -> None:
+        """Show the viewer's texture, each vertex at its place (n, 2) on it; None shows the colours."""
+        if places is None and self.places is None:
+            return
+        self.places = places
+        self._draw_places()
 
     # -- marks and lines ----------------------------------------------------------------------------
 
@@ -175,6 +185,9 @@ class Pane:
 
     def _draw_cells(self) -> None:
         """Show the checkerboard of `cells`."""
+
+    def _draw_places(self) -> None:
+        """Show the texture at `places`."""
 
     def _draw_mark(self, slot: str) -> None:
         """Show the mark in a slot, or that there is none."""

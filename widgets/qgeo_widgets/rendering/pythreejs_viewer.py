@@ -82,6 +82,9 @@ class PythreejsViewer(Viewer):
     def set_brush(self, on: bool) -> None:
         """Controls of pythreejs turn whatever is dragged: clicks alone paint, and they are picks anyway."""
 
+    def _draw_texture(self) -> None:
+        """Nothing: pythreejs shows the colours of a texture at the vertices, which are those of the field."""
+
     def set_legend(self, drawing: str) -> None:
         """Nothing: pythreejs saves no pictures."""
 

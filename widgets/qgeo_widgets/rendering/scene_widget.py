@@ -26,6 +26,8 @@ class SceneWidget(anywidget.AnyWidget):
         What the panel of the view sets: edges, flat, orthographic, opacity, light, background.
     legend : str
         SVG, for pictures that are saved as such.
+    texture : bytes
+        PNG or JPEG that lies on the shapes where paints have places on it.
     brush : bool
         Whether a press on a shape paints, and does not turn it.
     tick : float
@@ -43,6 +45,7 @@ class SceneWidget(anywidget.AnyWidget):
     camera: traitlets.Dict[str, Any] = traitlets.Dict().tag(sync=True)
     look: traitlets.Dict[str, Any] = traitlets.Dict().tag(sync=True)
     legend: traitlets.Unicode[str, str | bytes] = traitlets.Unicode().tag(sync=True)
+    texture = traitlets.Bytes(b"").tag(sync=True)
     brush = traitlets.Bool(False).tag(sync=True)
     tick = traitlets.Float(0.0).tag(sync=True)
     ticks = traitlets.Int(TICKS).tag(sync=True)

@@ -17,6 +17,7 @@ from qgeo_widgets.rendering.camera_view import CameraView
 from qgeo_widgets.rendering.motion import Motion
 from qgeo_widgets.rendering.pane import Pane
 from qgeo_widgets.rendering.scene_placement import ScenePlacement, reach
+from qgeo_widgets.texture import Texture
 
 FIELD_OF_VIEW = 26.0
 
@@ -43,6 +44,7 @@ class Viewer(ABC):
         Where the camera stands at first, in scene units; it looks at the origin.
     mark_radius : float
         Of the balls that mark points, in scene units.
+    texture : Texture or None
     widget : ipywidgets.Widget
         What is displayed.
     """
@@ -73,6 +75,7 @@ class Viewer(ABC):
         self.radius = radius
         self.home: Place = (0.0, 0.0, 1.05 * distance)
         self.mark_radius = 0.022 * radius
+        self.texture: Texture | None = None
         self._on_camera: list[Callable[[Place], None]] = []
         moving: Sequence[Motion | None] = motions or [None] * len(surfaces)
         self._make(list(zip(surfaces, placements, moving, strict=True)), titles)
@@ -139,6 +142,15 @@ class Viewer(ABC):
     def together(self) -> Iterator[None]:
         """What is changed meanwhile is sent at once."""
         yield
+
+    def set_texture(self, texture: Texture | None) -> None:
+        """The picture that panes show at the places of their vertices, see `Pane.set_places`."""
+        self.texture = texture
+        self._draw_texture()
+
+    @abstractmethod
+    def _draw_texture(self) -> None:
+        """Send `texture`, where the backend shows any."""
 
     @abstractmethod
     def set_legend(self, drawing: str) -> None:

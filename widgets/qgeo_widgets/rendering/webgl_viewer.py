@@ -40,6 +40,9 @@ class WebglPane(Pane):
     def _draw_cells(self) -> None:
         self._changed("paints")
 
+    def _draw_places(self) -> None:
+        self._changed("paints")
+
     def _draw_mark(self, slot: str) -> None:
         self._changed("marks")
 
@@ -111,6 +114,9 @@ class WebglViewer(Viewer):
     def show_stills(self, urls: Sequence[str]) -> None:
         """Pictures of the panes, for where the browser has no WebGL."""
         self._scene.stills = list(urls)
+
+    def _draw_texture(self) -> None:
+        self._scene.texture = b"" if self.texture is None else self.texture.encoded.tobytes()
 
     def set_legend(self, drawing: str) -> None:
         """The legend as SVG, for pictures that the browser saves."""

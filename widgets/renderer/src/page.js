@@ -44,6 +44,7 @@ class Page {
     this.view = new View(element('panes'), data.setup, {pick: (pane, hit) => this.clicked(pane, hit.vertex)});
     if (data.camera) this.view.setCamera(data.camera);
     this.view.setLook(data.look);
+    if (data.texture) this.view.setTexture(data.texture);
     this.putMarks();
     data.modes.forEach((mode, i) => element('mode').add(new Option(mode.name, i)));
     element('mode').value = data.start;
@@ -120,7 +121,7 @@ class Page {
 
 /* Colours, and what is said of a vertex, from an index into a table of colours or from the colours themselves. */
 function painted(pane, {scale, names}) {
-  if (!pane.lut) return {rgb: pane.rgb, values: pane.regions && Float32Array.from(pane.regions), names, borders: pane.borders, cells: pane.cells};
+  if (!pane.lut) return {rgb: pane.rgb, values: pane.regions && Float32Array.from(pane.regions), names, borders: pane.borders, cells: pane.cells, places: pane.places};
   const lut = typed(pane.lut, Uint8Array);
   const index = typed(pane.index, Uint8Array);
   const last = lut.length / 3 - 1;  /* for what is not finite */

@@ -29,8 +29,9 @@ export class Pane {
     this.geometry.computeVertexNormals();
     /* The mesh is pushed back a little, so that lines on it are not cut by it. */
     this.material = surfaceMaterial(2);
-    this.checkered = {value: 0};
-    checker(this.material, this.checkered);
+    this.laid = {checkered: {value: 0}, textured: {value: 0}, picture: {value: null}};
+    this.placed = false;
+    layOver(this.material, this.laid);
     this.mesh = new Mesh(this.geometry, this.material);
     this.edges = new Mesh(this.geometry, new MeshBasicMaterial({
       wireframe: true, color: 0x20242c, transparent: true, opacity: 0.35,
@@ -54,7 +55,7 @@ export class Pane {
   /* -- colours ------------------------------------------------------------------------------------------------ */
 
   /* `rgb` (n, 3) in bytes; `values` (n,) and `names` are what is said of a vertex under the mouse. */
-  paint({rgb, values, names, borders, cells, rounded}) {
+  paint({rgb, values, names, borders, cells, places, rounded}) {
     const color = this.geometry.getAttribute('color');
     color.array.set(typed(rgb, Uint8Array));
     color.needsUpdate = true;
@@ -63,8 +64,19 @@ export class Pane {
     this.rounded = rounded ?? false;  /* values in as many steps as there are colours */
     this.sharpen(borders ?? null);
     if (cells) this.geometry.setAttribute('cells', new BufferAttribute(typed(cells, Float32Array), 3));
-    this.checkered.value = cells ? 1 : 0;
+    this.laid.checkered.value = cells ? 1 : 0;
+    if (places) this.geometry.setAttribute('places', new BufferAttribute(typed(places, Float32Array), 2));
+    this.placed = Boolean(places);
+    this.#textured();
   }
+
+  /* A texture to lie on the shape where it is painted with places on it. */
+  setTexture(texture) {
+    this.laid.picture.value = texture;
+    this.#textured();
+  }
+
+  #textured() { this.laid.textured.value = this.placed && this.laid.picture.value ? 1 : 0; }
 
   /* Cover the triangles in which regions meet by pieces of one colour each. */
   sharpen(borders) {
@@ -193,15 +205,28 @@ function surfaceMaterial(offset) {
   });
 }
 
-/* A checkerboard over the colours of a material, where the geometry has coordinates `cells` and the uniform is 1. */
-function checker(material, checkered) {
+/* A texture instead of the colours of a material, where the geometry has `places` on it, and a checkerboard over them,
+   where it has coordinates `cells`; each where its uniform is 1. */
+function layOver(material, uniforms) {
   material.onBeforeCompile = (shader) => {
-    shader.uniforms.checkered = checkered;
-    shader.vertexShader = shader.vertexShader
-      .replace('void main() {', 'attribute vec3 cells;\nvarying vec3 vCells;\nvoid main() {\n  vCells = cells;');
+    Object.assign(shader.uniforms, uniforms);
+    shader.vertexShader = shader.vertexShader.replace('void main() {', `attribute vec3 cells;
+      attribute vec2 places;
+      varying vec3 vCells;
+      varying vec2 vPlaces;
+      void main() {
+        vCells = cells;
+        vPlaces = places;`);
     shader.fragmentShader = shader.fragmentShader
-      .replace('void main() {', 'uniform float checkered;\nvarying vec3 vCells;\nvoid main() {')
+      .replace('void main() {', `uniform float checkered;
+        uniform float textured;
+        uniform sampler2D picture;
+        varying vec3 vCells;
+        varying vec2 vPlaces;
+        void main() {`)
       .replace('#include <color_fragment>', `#include <color_fragment>
+        vec3 print = texture2D(picture, vPlaces).rgb;
+        if (textured > 0.5) diffuseColor.rgb = print;
         if (checkered > 0.5) {
           vec3 wave = sin(3.14159265 * vCells);
           float side = wave.x * wave.y * wave.z;

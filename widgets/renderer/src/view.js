@@ -4,6 +4,7 @@ import {LookPanel} from './look.js';
 import {Orbit} from './orbit.js';
 import {Pane} from './pane.js';
 import {withLegend} from './picture.js';
+import {pictureTexture} from './texture.js';
 
 /* Colours are those of the legend, as they are. */
 ColorManagement.enabled = false;
@@ -65,6 +66,20 @@ export class View {
 
   setLines(number, lines) {
     this.panes[number].setLines(lines);
+    this.draw();
+  }
+
+  /* PNG or JPEG in bytes, none for no texture; drawn as soon as the browser has read it. */
+  async setTexture(bytes) {
+    const asked = this.asked = {};
+    const texture = bytes?.byteLength ? await pictureTexture(bytes) : null;
+    if (this.gone || asked !== this.asked) {  /* another one came meanwhile */
+      texture?.dispose();
+      return;
+    }
+    this.texture?.dispose();
+    this.texture = texture;
+    for (const pane of this.panes) pane.setTexture(texture);
     this.draw();
   }
 
@@ -136,6 +151,7 @@ export class View {
     cancelAnimationFrame(this.waiting);
     this.observer.disconnect();
     for (const pane of this.panes) pane.dispose();
+    this.texture?.dispose();
     this.renderer.dispose();
     this.renderer.forceContextLoss();
     this.root.replaceChildren();

@@ -17,6 +17,7 @@ export function render({model, el}) {
   follow('paints', (paints) => paints.forEach((paint, i) => view.paint(i, paint)));
   follow('marks', (marks) => marks.forEach((each, i) => view.setMarks(i, each)));
   follow('lines', (lines) => lines.forEach((each, i) => view.setLines(i, each)));
+  follow('texture', (texture) => { view.setTexture(texture).catch((error) => tell(el, error)); });
   follow('legend', (legend) => { view.legend = legend; });
   follow('brush', (brush) => { view.brush = brush; });
   follow('look', (look) => view.setLook(look));
@@ -54,6 +55,14 @@ function started(model, el) {
     showStills(model, el, error);
     return null;
   }
+}
+
+/* What could not be shown, as a sentence above all else. */
+function tell(el, error) {
+  const sentence = document.createElement('p');
+  sentence.setAttribute('role', 'alert');
+  sentence.textContent = `The browser could not show this: ${error.message}`;
+  el.prepend(sentence);
 }
 
 function showStills(model, el, error) {
