@@ -143,6 +143,23 @@ def test_a_picture_as_svg_has_titles_and_legend_as_text(page, view):
     assert float(root.get("height")) == float(legend.get("y")) + float(legend.get("height"))
 
 
+def test_a_canvas_that_the_browser_gives_up_says_so_and_is_drawn_anew(page, view):
+    """Chromium draws in 16 canvases, and takes the oldest away for each further one."""
+    notice = page.get_by_role("alert").filter(has_text="The browser has stopped drawing these shapes")
+    assert not notice.is_visible()
+    page.evaluate(
+        """() => { window.others = Array.from({length: 24}, () => {
+            const canvas = document.createElement('canvas');
+            canvas.getContext('webgl2').clear(16384);
+            return canvas;
+        }); }"""
+    )
+    tools.until(notice.is_visible)
+    notice.get_by_role("button", name="draw anew").click()
+    tools.until(lambda: tools.pixels(page.locator(".qgeo-view").first).std() > 15)
+    assert not notice.is_visible()
+
+
 def test_the_checkerboard_is_sharp_within_triangles(page, view):
     page.mouse.move(0, 0)
     smooth = tools.settled(view)
@@ -181,3 +198,26 @@ def test_a_dark_page_is_dark_behind_the_shapes_too(chromium, path):
     tools.until(lambda: tools.pixels(view).std() > 15)
     assert tools.pixels(view)[5, 5].max() < 60
     context.close()
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_the_chart_of_a_path_is_as_wide_as_there_is_room_and_its_text_is_not_small(page, pair, tmp_path, width):
+    widget = qw.geodesics(pair[0], 3, 120)
+    widget.to_html(tmp_path / "path.html")
+    widget.close()
+    page.set_viewport_size({"width": width, "height": 900})
+    page.goto((tmp_path / "path.html").as_uri())
+    chart = page.locator(".qgeo-chart")
+    box = chart.bounding_box()
+    assert box["x"] >= 0
+    assert box["width"] == min(500, width - 124)
+    for text in chart.locator("text").all():
+        place = text.bounding_box()
+        assert place["x"] >= 0
+        assert place["x"] + place["width"] <= min(box["x"] + box["width"] + 8, width)
+        scale = text.evaluate("(each) => Math.hypot(each.getScreenCTM().a, each.getScreenCTM().b)")
+        assert scale * text.evaluate("(each) => parseFloat(getComputedStyle(each).fontSize)") == pytest.approx(11)
+    plot = chart.locator("svg").nth(1).bounding_box()
+    places = [each.bounding_box() for each in chart.locator("circle").all()]
+    assert places
+    assert all(plot["x"] - 3 <= each["x"] <= plot["x"] + plot["width"] + 3 for each in places)

@@ -11,7 +11,7 @@ import shapes
 import qgeo_widgets as qw
 from qgeo_filters import Surface, distances, lifted_metric
 from qgeo_widgets import geodesics_widget as names
-from qgeo_widgets.chart import HEIGHT, LEFT, RIGHT, WIDTH, curvature_chart
+from qgeo_widgets.chart import HEIGHT, curvature_chart
 
 
 @pytest.fixture(scope="module")
@@ -90,15 +90,15 @@ def test_place_moves_the_point_along_the_path_and_the_line_on_the_chart(widget, 
         widget.place = place
         point = widget._viewer.panes[0].marks["place"][0]
         np.testing.assert_allclose(point, widget.path.points[index], atol=1e-12)
-        x = LEFT + place * (WIDTH - LEFT - RIGHT)
-        assert f'<line x1="{x:.1f}" y1="10.0" x2="{x:.1f}"' in widget._chart.value
+        x = f"{100 * place:.2f}%"
+        assert f'<line x1="{x}" y1="10" x2="{x}"' in widget._chart.value
 
 
 def test_chart_draws_every_curvature_in_its_place():
     svg = curvature_chart(np.array([0.5, 1.0]), np.array([0.2, -0.4]), 2.0, 1.5)
-    circles = [tuple(map(float, c)) for c in re.findall(r'<circle cx="([\d.]+)" cy="([\d.]+)"', svg)]
-    width, middle = WIDTH - LEFT - RIGHT, 10 + (HEIGHT - 50) / 2
-    assert [c[0] for c in circles] == pytest.approx([LEFT + width / 4, LEFT + width / 2], abs=0.1)
+    circles = [tuple(map(float, c)) for c in re.findall(r'<circle cx="([\d.]+)%" cy="([\d.]+)"', svg)]
+    middle = 10 + (HEIGHT - 50) / 2
+    assert [c[0] for c in circles] == [25.0, 50.0]
     assert circles[1][1] - middle == pytest.approx(2 * (middle - circles[0][1]), abs=0.2)
     assert "nan" not in curvature_chart(np.array([0.5]), np.array([np.nan]), 1.0, 0.0)
 

@@ -41,7 +41,10 @@ class Page {
   start() {
     const {data} = this;
     element('info').hidden = !data.info;
-    this.view = new View(element('panes'), data.setup, {pick: (pane, hit) => this.clicked(pane, hit.vertex)});
+    this.view = new View(element('panes'), data.setup, {
+      pick: (pane, hit) => this.clicked(pane, hit.vertex),
+      again: () => location.reload(),
+    });
     if (data.camera) this.view.setCamera(data.camera);
     this.view.setLook(data.look);
     if (data.texture) this.view.setTexture(data.texture);

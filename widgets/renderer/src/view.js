@@ -1,6 +1,7 @@
 /* Shapes side by side in one WebGL context, turned together by mouse, touch and keys. */
 import {ColorManagement, LinearSRGBColorSpace, OrthographicCamera, PerspectiveCamera, WebGLRenderer} from 'three';
 import {LookPanel} from './look.js';
+import {LostNotice} from './lost.js';
 import {Orbit} from './orbit.js';
 import {Pane} from './pane.js';
 import {withLegend} from './picture.js';
@@ -11,7 +12,8 @@ ColorManagement.enabled = false;
 
 const KEYS_HELP = 'Arrow keys turn, with shift they move; plus and minus come nearer and go away; home is the first view.';
 
-/* `setup` is what Python sends of the shapes; the handlers `pick(pane, hit)`, `camera(state)`, `look(state)`. */
+/* `setup` is what Python sends of the shapes; the handlers `pick(pane, hit)`, `camera(state)`, `look(state)`
+   and `again()`, where the browser has given up this canvas. */
 export class View {
   constructor(root, setup, handlers = {}) {
     this.root = root;
@@ -27,6 +29,7 @@ export class View {
     this.canvas = this.renderer.domElement;
     this.canvas.setAttribute('aria-hidden', 'true');
     this.canvas.addEventListener('webglcontextrestored', () => this.draw());
+    this.lost = new LostNotice(this.canvas, () => handlers.again?.());
     const {aspect, near, far} = this.#clip();
     this.perspective = new PerspectiveCamera(setup.fov, aspect, near, far);
     this.orthographic = new OrthographicCamera(-1, 1, 1, -1, -far, far);
@@ -41,7 +44,7 @@ export class View {
     this.tip.className = 'qgeo-tip';
     this.tip.hidden = true;
     this.panel = new LookPanel(this);
-    root.append(this.canvas, this.grid, this.panel.element, this.tip);
+    root.append(this.lost.element, this.canvas, this.grid, this.panel.element, this.tip);
     this.look = this.panel.state;
     this.legend = '';  /* SVG, for pictures that are saved as such */
     this.brush = false;  /* whether a press on a shape paints, and does not turn it */

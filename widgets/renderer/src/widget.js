@@ -5,11 +5,28 @@ import {View} from './view.js';
 const PAUSE = 60;
 
 export function render({model, el}) {
-  const view = started(model, el);
+  let end;
+  const anew = () => {
+    end?.();
+    end = begun(model, el, anew);
+  };
+  anew();
+  return () => end?.();
+}
+
+/* A view that follows the model; what ends it, or nothing where it cannot be. `again` is asked for one in its place. */
+function begun(model, el, again) {
+  const view = started(model, el, again);
   if (!view) return undefined;
   const followed = [];
   const follow = (name, act) => {
-    const changed = () => act(model.get(name));
+    const changed = () => {
+      try {
+        act(model.get(name));
+      } catch (error) {
+        tell(el, error);
+      }
+    };
     model.on(`change:${name}`, changed);
     followed.push([`change:${name}`, changed]);
     changed();
@@ -32,7 +49,7 @@ export function render({model, el}) {
 }
 
 /* The view, or a still picture where nothing can be drawn. */
-function started(model, el) {
+function started(model, el, again) {
   let waiting = 0;
   const told = (state) => {
     model.set('camera', state);
@@ -46,6 +63,7 @@ function started(model, el) {
       pick: (pane, {corners, point}) => model.send({kind: 'pick', pane, corners, point}),
       paint: (pane, {corners, point}) => model.send({kind: 'paint', pane, corners, point}),
       camera: told,
+      again,
       look: (look) => {
         model.set('look', look);
         model.save_changes();
