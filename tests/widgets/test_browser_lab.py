@@ -10,6 +10,7 @@ import pytest
 import shapes
 
 from qgeo_filters import Surface
+from qgeo_widgets.compared_colors import TEXTURE
 from qgeo_widgets.rendering.backends import new_viewer
 from qgeo_widgets.rendering.scene_placement import placement_of
 
@@ -273,6 +274,35 @@ def test_a_region_is_painted_by_dragging(books, pair):
     page.get_by_role("button", name="wipe").click()
     tools.until(lambda: book.python("print(len(w.painted))") == "0")
     book.python("w.close()")
+
+
+def test_limits_stay_what_they_were_set_to_and_a_lost_canvas_is_drawn_anew(books, pair):
+    """The browser's slider has steps: it answered limits between them with its own, and all was drawn twice."""
+    book = books("webgl")
+    page = book.page
+    book.show("w = qw.compare(x, y, p2p=where, texture=np.arange(48, dtype=np.uint8).reshape(4, 4, 3) * 5)\nw")
+    book.canvases(2)
+    book.python("w.mode = 'attribute: height'\nsent = []\nw._viewer._scene.observe(sent.append, 'paints')")
+    low, high = np.quantile(pair[0].attributes["height"], [0.2137, 0.7911]).tolist()
+    book.python(f"w.limits = ({low!r}, {high!r})")
+    page.wait_for_timeout(1000)
+    assert book.python("print(w.limits, len(sent))") == f"({low!r}, {high!r}) 1"
+
+    page.evaluate(
+        """() => { window.others = Array.from({length: 24}, () => {
+            const canvas = document.createElement('canvas');
+            canvas.getContext('webgl2').clear(16384);
+            return canvas;
+        }); }"""
+    )
+    page.get_by_role("button", name="draw anew").click()
+    left, _ = book.canvases(2)
+    assert not page.get_by_role("button", name="draw anew").is_visible()
+    before = tools.settled(left)
+    book.python(f"w.mode = {TEXTURE!r}")  # the new view follows the model, and has its texture
+    tools.until(lambda: np.abs(tools.pixels(left) - before).mean() > 3)
+    assert np.abs(tools.settled(left)[..., 0] - tools.settled(left)[..., 2]).max() < 40  # dark grey, as the texture is
+    book.python("w.close()\ndel sent")
 
 
 def test_on_a_telephone_nothing_is_cut_off_and_a_finger_turns(chromium, lab, pair):

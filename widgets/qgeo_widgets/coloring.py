@@ -207,7 +207,9 @@ class ColoredWidget(GuardedWidget):
             self._span_slider.value = (0.0, 100.0)
         else:
             low, high = ((limit - bounds[0]) / ((bounds[1] - bounds[0]) or 1.0) for limit in self.limits)
-            self._span_slider.value = (100 * min(max(low, 0.0), 1.0), 100 * min(max(high, 0.0), 1.0))
+            # In whole steps: a browser answers others with its own, and limits would become what it rounded them to.
+            step = self._span_slider.step
+            self._span_slider.value = tuple(step * round(100 * min(max(part, 0.0), 1.0) / step) for part in (low, high))
 
     def _span_moved(self, change: Any) -> None:
         if self._settling or self._field is None or self._field.bounds is None:
