@@ -87,6 +87,7 @@ class GeodesicsWidget(ShapeWidget):
             self._chart = ipywidgets.HTML(layout={"margin": "0"})
             cursor = ipywidgets.FloatSlider(
                 value=0.5, min=0.0, max=1.0, step=0.005, readout=False,
+                tooltip="place along the path",
                 layout={"width": f"calc({chart.WIDTH} - {chart.LEFT + chart.RIGHT - 20}px)",
                         "margin": f"0 0 4px {chart.LEFT - 12}px"},
             )  # fmt: skip

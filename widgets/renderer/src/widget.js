@@ -1,4 +1,5 @@
 /* The view in a notebook: it follows the model that the kernel holds, and tells it of clicks and turns. */
+import {SliderNames} from './names.js';
 import {View} from './view.js';
 
 /* Milliseconds between two messages about the camera. */
@@ -11,7 +12,11 @@ export function render({model, el}) {
     end = begun(model, el, anew);
   };
   anew();
-  return () => end?.();
+  const names = new SliderNames(el);
+  return () => {
+    names.dispose();
+    end?.();
+  };
 }
 
 /* A view that follows the model; what ends it, or nothing where it cannot be. `again` is asked for one in its place. */
