@@ -210,7 +210,7 @@ def test_the_chart_of_a_path_is_as_wide_as_there_is_room_and_its_text_is_not_sma
     chart = page.locator(".qgeo-chart")
     box = chart.bounding_box()
     assert box["x"] >= 0
-    assert box["width"] == min(500, width - 124)
+    assert box["width"] == min(500, width - 32)
     for text in chart.locator("text").all():
         place = text.bounding_box()
         assert place["x"] >= 0
@@ -221,3 +221,29 @@ def test_the_chart_of_a_path_is_as_wide_as_there_is_room_and_its_text_is_not_sma
     places = [each.bounding_box() for each in chart.locator("circle").all()]
     assert places
     assert all(plot["x"] - 3 <= each["x"] <= plot["x"] + plot["width"] + 3 for each in places)
+
+
+@pytest.mark.parametrize(("width", "beside"), [(900, True), (390, False)])
+def test_matrix_and_shape_are_side_by_side_where_there_is_room_and_the_strip_is_as_high(
+    page, pair, tmp_path, width, beside
+):
+    widget = qw.matrix(pair[0])
+    widget.to_html(tmp_path / "matrix.html")
+    widget.close()
+    page.set_viewport_size({"width": width, "height": 900})
+    page.goto((tmp_path / "matrix.html").as_uri())
+    page.locator("canvas.qgeo-matrix").wait_for()
+    view, matrix = (page.locator(each).bounding_box() for each in (".qgeo-view", "canvas.qgeo-matrix"))
+    assert (abs(view["y"] - matrix["y"]) < 30) == beside
+    assert view["x"] + view["width"] <= width
+    strip = page.locator(".qgeo-strip").bounding_box()
+    assert (strip["y"], strip["height"]) == pytest.approx((matrix["y"], matrix["height"]), abs=2)
+    assert matrix["width"] == pytest.approx(matrix["height"], abs=1)
+
+
+def test_the_ground_follows_when_day_turns_to_night(page, view):
+    ground = tools.settled(view)[5, 5]
+    page.emulate_media(color_scheme="dark")
+    tools.until(lambda: np.abs(tools.pixels(view)[5, 5] - [0x1E, 0x21, 0x27]).max() < 4)
+    page.emulate_media(color_scheme="light")
+    tools.until(lambda: np.abs(tools.pixels(view)[5, 5] - ground).max() < 1)

@@ -74,10 +74,15 @@ class MatrixWidget(ShapeWidget):
             self._pane.on_click(self._entry)
             viewer.on_pick(lambda _, vertex: self.set_trait("picked", vertex))
             title = f"distances between {len(sample)} of {shape.surface.n_vertices} vertices, neighbours side by side"
-            strip = ipywidgets.HTML(_strip(len(sample), size))
+            strip = ipywidgets.HTML(_strip(len(sample)), layout={"flex": "none"})
             matrix_side = ipywidgets.VBox(
                 [ipywidgets.HTML(title), ipywidgets.HBox([strip, self._pane.widget])],
-                layout={"overflow": "visible", "margin": "0 6px 4px 0", "width": f"{size + 24}px", "max_width": "100%"},
+                layout={
+                    "overflow": "visible",
+                    "margin": "0 6px 4px 0",
+                    "flex": "1 1 310px",
+                    "max_width": f"{size + 24}px",
+                },
             )
             viewer.put_beside(matrix_side, first=True)
             self._assemble(viewer, ["shape"], ORDER)
@@ -197,7 +202,7 @@ class MatrixWidget(ShapeWidget):
     def _page_extras(self) -> dict[str, Any]:
         from qgeo_widgets.export import matrix_data
 
-        strip = _strip(len(self._table), self._pane.size)
+        strip = _strip(len(self._table))
         title = f"distances between {len(self._table)} vertices"
         data = matrix_data(self._image(None), self._table, self._vertex_of_row, strip, title, self._span)
         return {"matrix": data, "hint": "Move over the matrix to see its rows on the shape; click on the shape."}
@@ -232,8 +237,9 @@ def _title(shape: Shape) -> str:
     return f"<b>shape</b>, {shape.surface.n_vertices} vertices"
 
 
-def _strip(count: int, height: int) -> str:
+def _strip(count: int) -> str:
     """The colours of the rows as a strip as high as the picture of the matrix."""
     colors = ordered_colors(count)[np.linspace(0, count - 1, 40).round().astype(int)]
     gradient = ", ".join(map(css, colors))
-    return f'<div style="width:12px;height:{height}px;margin:1px 4px 0 0;background:linear-gradient({gradient})"></div>'
+    style = f"width:12px;height:100%;margin-right:4px;background:linear-gradient({gradient})"
+    return f'<div class="qgeo-strip" style="{style}"></div>'

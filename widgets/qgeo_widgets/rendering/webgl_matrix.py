@@ -30,7 +30,12 @@ class WebglMatrix(MatrixPane):
     widget: MatrixModel
 
     def _make(self) -> None:
-        self.widget = MatrixModel(count=len(self.image), height=self.size, image=self._bytes())
+        self.widget = MatrixModel(
+            count=len(self.image),
+            height=self.size,
+            image=self._bytes(),
+            layout={"flex": "1 1 auto", "min_width": "0"},
+        )
         self.widget.on_msg(self._told)
 
     def _bytes(self) -> bytes:

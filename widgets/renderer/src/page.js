@@ -116,6 +116,7 @@ class Page {
     }});
     canvas.setImage(matrix.image);
     const figure = document.createElement('figure');
+    figure.style.cssText = `flex: 1 1 300px; max-width: ${this.data.setup.size[1] + 24}px`;
     figure.innerHTML = `<figcaption>${matrix.title}</figcaption><div class="matrix">${matrix.strip}</div>`;
     figure.lastChild.append(canvas.canvas);
     element('shapes').prepend(figure);

@@ -6,6 +6,7 @@ import {Orbit} from './orbit.js';
 import {Pane} from './pane.js';
 import {withLegend} from './picture.js';
 import {pictureTexture} from './texture.js';
+import {ThemeWatch} from './theme.js';
 
 /* Colours are those of the legend, as they are. */
 ColorManagement.enabled = false;
@@ -51,6 +52,7 @@ export class View {
     this.observer = new ResizeObserver(() => this.#render());
     this.observer.observe(root);
     for (const each of this.windows) this.observer.observe(each);
+    this.theme = new ThemeWatch(() => this.draw());
     this.#placeCamera();
     this.draw();
   }
@@ -153,6 +155,7 @@ export class View {
     this.gone = true;
     cancelAnimationFrame(this.waiting);
     this.observer.disconnect();
+    this.theme.dispose();
     for (const pane of this.panes) pane.dispose();
     this.texture?.dispose();
     this.renderer.dispose();
