@@ -1,6 +1,6 @@
 """What each part of `match` is worth: a row for each, without it, on a fixed sample of all sets.
 
-    python benchmarks/ablation.py DATA --tosca ROOT --processes 2 [--pairs cat10-cat3 1-4]
+    python benchmarks/ablation.py DATA --tosca ROOT --processes 2 [--pairs cat10-cat3 1-4] [--json FILE]
 
 DATA and ROOT as for ``sets.py``. The pairs are those of `PAIRS`, easy ones and such as had been wrong: the means say
 what a part does there, not how good the maps are. Errors are direct, mean over the points of truth, in units of
@@ -18,7 +18,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
-from record import machine
+from record import Record, machine, recorded
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import ToscaRemeshed, VtsDataset, geodesic_error
@@ -48,14 +48,14 @@ VARIANTS = {
 }
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print a row for each variant."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("data", type=Path)
     parser.add_argument("--tosca", type=Path, required=True)
     parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--pairs", nargs="+", metavar="X-Y", help="these of the sample alone")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     pairs = [pair for pair in PAIRS if arguments.pairs is None or "-".join(pair[1:]) in arguments.pairs]
     print(f"{machine()}\n")
     folders = [arguments.tosca if name == "tosca" else arguments.data / name for name, *_ in pairs]
@@ -65,13 +65,12 @@ def main() -> None:
             rows.append(row)
             print(f"<!-- {'-'.join(pair)}: {', '.join(f'{error:.4f}' for error, *_ in row)} -->", flush=True)
     table = np.array(rows, dtype=float)
-    print("| | mean error | wrong | sure | sure and wrong | CPU s |")
-    print("| --- |" + " ---: |" * 5)
+    found = record.table("", "", "mean error", "wrong", "sure", "sure and wrong", "CPU s", align="lrrrrr")
     for place, name in enumerate(VARIANTS):
         error, sure, seconds = table[:, place].T
         wrong = error > 0.1
         cells = [name, f"{error.mean():.4f}", wrong.sum(), int(sure.sum()), int((wrong & (sure > 0)).sum())]
-        print("| " + " | ".join(map(str, [*cells, f"{seconds.mean():.1f}"])) + " |", flush=True)
+        found.row(*cells, f"{seconds.mean():.1f}")
 
 
 def measured(folder: Path, pair: tuple[str, str, str]) -> list[tuple[float, bool, float]]:
@@ -95,4 +94,5 @@ def measured(folder: Path, pair: tuple[str, str, str]) -> list[tuple[float, bool
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

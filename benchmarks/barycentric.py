@@ -1,6 +1,6 @@
 """Vertex-to-point maps beside vertex-to-vertex maps, against true points on the surface, as a Markdown table.
 
-    python benchmarks/barycentric.py ROOT --pairs cat0-cat1 centaur0-centaur1
+    python benchmarks/barycentric.py ROOT --pairs cat0-cat1 centaur0-centaur1 [--json FILE]
 
 ROOT holds ``remeshed``, ``ground_truth`` and ``full`` (the second pose of each pair at full resolution). The true image
 of a vertex is where the pose at full resolution has it, in general inside a triangle of Y: no map to vertices can do
@@ -13,20 +13,22 @@ import argparse
 from pathlib import Path
 
 import numpy as np
+from record import Record, recorded
 
 from qgeo_filters.evaluation import ToscaRemeshed
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.surface import Surface
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print a row for each pair."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root", type=Path)
     parser.add_argument("--pairs", nargs="+", default=["cat0-cat1", "centaur0-centaur1"])
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     data = ToscaRemeshed(arguments.root)
-    print("| pair | mean edge | to vertices | to points | nearest vertices to the truth |\n|---|---:|---:|---:|---:|")
+    columns = ("pair", "mean edge", "to vertices", "to points", "nearest vertices to the truth")
+    table = record.table("", *columns, align="lrrrr")
     for pair in arguments.pairs:
         name_x, name_y = pair.split("-")
         x, y = data.read(name_x), data.read(name_y)
@@ -39,7 +41,7 @@ def main() -> None:
             y.vertices[data.truth(name_x, name_y).images],
         )
         cells = [_cell(np.linalg.norm(image - place, axis=1) / np.sqrt(y.area)) for image in images]
-        print(f"| {pair} | {y.edge_lengths.mean() / np.sqrt(y.area):.4f} | {' | '.join(cells)} |", flush=True)
+        table.row(pair, f"{y.edge_lengths.mean() / np.sqrt(y.area):.4f}", *cells)
 
 
 def _cell(errors: np.ndarray) -> str:
@@ -47,4 +49,5 @@ def _cell(errors: np.ndarray) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

@@ -1,6 +1,6 @@
 """All pairs within categories of TOSCA: in processes, then on a Dask cluster whose workers are killed; equal or not.
 
-    python benchmarks/collection_engines.py ROOT STORES --categories wolf centaur dog [--kills 2]
+    python benchmarks/collection_engines.py ROOT STORES --categories wolf centaur dog [--kills 2] [--json FILE]
 
 ROOT as for ``matching.py``, all categories by default. STORES is a folder for plain.zarr and cluster.zarr, which are
 gone on with where they are there. The cluster is a LocalCluster of two processes of one thread; after each third of the
@@ -18,7 +18,7 @@ import time
 from pathlib import Path
 
 import pandas as pd
-from record import machine
+from record import Record, machine, recorded
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import ToscaRemeshed
@@ -50,14 +50,14 @@ def on_cluster(collection: qg.Collection, kills: int, count: int) -> int:
     return len(killed)
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Run both, and compare."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root")
     parser.add_argument("stores", type=Path)
     parser.add_argument("--categories", nargs="+")
     parser.add_argument("--kills", type=int, default=2)
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     data = ToscaRemeshed(arguments.root)
     names = [name for name in data.names() if not arguments.categories or data.category(name) in arguments.categories]
     arguments.stores.mkdir(parents=True, exist_ok=True)
@@ -71,9 +71,10 @@ def main() -> None:
     one, other = plain.table(), cluster.table()
     pd.testing.assert_frame_equal(one, other, check_exact=True)
     seconds = plain.table(seconds=True)["seconds"].sum()
-    print(f"\n{len(names)} shapes, {len(one)} pairs: equal bit for bit, {killed} workers killed.")
-    print(
-        f"Wall seconds: {middle - started:.0f} in processes, {ended - middle:.0f} on the cluster; CPU: {seconds:.0f}\n"
+    record.note(
+        f"{len(names)} shapes, {len(one)} pairs: equal bit for bit, {killed} workers killed. Seconds of the clock: "
+        f"{middle - started:.0f} in processes, {ended - middle:.0f} on the cluster; CPU seconds of "
+        f"the maps: {seconds:.0f}."
     )
 
     def truth(x: str, y: str) -> object:
@@ -81,13 +82,12 @@ def main() -> None:
         return known.images if len(known.points) == plain.surface(x).n_vertices else None
 
     found = plain.table(truth)
-    print("| category | pairs | mean error | worst | sure |\n|---|---:|---:|---:|---:|")
+    table = record.table("", "category", "pairs", "mean error", "worst", "sure", align="lrrrr")
     for category, rows in found.groupby("group_x"):
-        print(
-            f"| {category} | {len(rows)} | {rows['error'].mean():.4f} | {rows['error'].max():.4f} "
-            f"| {int(rows['confident'].sum())} |"
-        )
+        errors = (f"{rows['error'].mean():.4f}", f"{rows['error'].max():.4f}")
+        table.row(category, len(rows), *errors, int(rows["confident"].sum()))
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

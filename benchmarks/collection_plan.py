@@ -1,6 +1,7 @@
 """A plan for a collection of many shapes: what it costs, moves and keeps, and which pairs need not be matched.
 
     python benchmarks/collection_plan.py ROOT [--shapes 5] [--many 10000] [--workers 64] [--nearest 20] [--landmarks 20]
+        [--json FILE]
 
 ROOT is a folder of meshes, of which a few, evenly drawn, are prepared and matched with all parameters as they are, in
 this process and one thread; what one shape and one pair cost is then multiplied. "Composed" is C_XY along the maps
@@ -22,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from record import Record, recorded
 
 import qgeo_filters as qg
 from qgeo_filters.collection.measures import spectral_distances
@@ -67,8 +69,8 @@ def composed_c_xy(collection: qg.Collection, landmark: str) -> tuple[np.ndarray,
     return found, float(np.mean(seconds))
 
 
-def measure(files: list[Path], root: Path) -> dict[str, float]:
-    """Costs of a shape and of a pair, measured on these; prints how well cheap measures stand for C_XY."""
+def measure(record: Record, files: list[Path], root: Path) -> dict[str, float]:
+    """Costs of a shape and of a pair, measured on these; notes how well cheap measures stand for C_XY."""
     collection = qg.Collection(files, root / "store.zarr")
     m, pairs = len(collection), len(collection) * (len(collection) - 1) // 2
     per: dict[str, float] = {}
@@ -91,22 +93,26 @@ def measure(files: list[Path], root: Path) -> dict[str, float]:
     upper = np.triu_indices(m - 1, 1)
     to_first = collection.distances("c_xy").to_numpy()[0, 1:]
     bound = np.abs(to_first[:, None] - to_first)
-    print(f"{m} shapes, {pairs} pairs; vertices: {[collection.surface(name).n_vertices for name in collection.names]}")
-    print(f"the bound |C_XL - C_YL| <= C_XY holds for {(bound <= direct)[upper].mean():.0%} of the pairs, and is "
-          f"{np.median((bound / direct)[upper]):.2f} of it in the median")  # fmt: skip
+    sizes = [collection.surface(name).n_vertices for name in collection.names]
+    record.note(f"Measured on {m} shapes of {min(sizes)} to {max(sizes)} vertices and their {pairs} pairs, one thread.")
+    record.note(f"The bound |C_XL - C_YL| <= C_XY holds for {(bound <= direct)[upper].mean():.0%} of the pairs, and is "
+                f"{np.median((bound / direct)[upper]):.2f} of C_XY in the median.")  # fmt: skip
     ratio = np.median((composed / direct)[upper])
-    print(f"C_XY composed through {first} is {ratio:.2f} times that of the match in the median")
+    record.note(f"C_XY composed through {first} is {ratio:.2f} times that of the match in the median.")
     wanted = nearest(direct, 1)
     cheap = {"composed": composed, "bound": bound}
     cheap |= {name: collection.distances(name).to_numpy()[1:, 1:] for name in ("eigenvalues", "shape_dna")}
+    table = record.table(
+        "cheap measures", "nearest shape in C_XY", "is the nearest", "among the two nearest", align="lrr"
+    )
     for name, square in cheap.items():
         met = [f"{(wanted & nearest(square, k)).sum() / wanted.sum():.0%}" for k in (1, 2)]
-        print(f"nearest shape in C_XY among the 1 and 2 nearest by {name}: {', '.join(met)}")
+        table.row(f"by {name}", *met)
     return per
 
 
-def plan(per: dict[str, float], many: int, workers: int, k: int, landmarks: int) -> None:
-    """Print what so many shapes take: matched in all pairs, and where cheap measures come first."""
+def plan(record: Record, per: dict[str, float], many: int, workers: int, k: int, landmarks: int) -> None:
+    """A table of what so many shapes take: matched in all pairs, and where cheap measures come first."""
     pairs = many * (many - 1) // 2
     through = landmarks * many
     near = min(pairs, k * many)
@@ -118,24 +124,23 @@ def plan(per: dict[str, float], many: int, workers: int, k: int, landmarks: int)
         ("C_XY composed through one of them, all pairs", pairs, per["composed"], 0.0, 0.0),
         (f"match the {k} nearest of each", near, per["match"], per["pair bytes"], traffic(per)),
     ]
-    print(
-        f"\n| {many} shapes, {workers} workers | tasks | CPU s each | CPU days | days of the clock | store | traffic |"
-    )
-    print("| --- | ---: | ---: | ---: | ---: | ---: | ---: |")
+    columns = ("tasks", "CPU s each", "CPU days", "days of the clock", "store", "traffic")
+    table = record.table("plan", f"{many} shapes, {workers} workers", *columns, align="lrrrrrr")
     totals = {"all": np.zeros(3), "near": np.zeros(3)}
     for number, (what, tasks, each, kept, moved) in enumerate(rows):
         cost = np.array([tasks * each / DAY, tasks * kept, tasks * moved])
-        print(f"| {what} | {tasks:.3g} | {each:.3g} | {cost[0]:.3g} | {cost[0] / workers:.3g} | {size(cost[1])} | "
-              f"{size(cost[2])} |")  # fmt: skip
+        days = (f"{cost[0]:.3g}", f"{cost[0] / workers:.3g}")
+        table.row(what, f"{tasks:.3g}", f"{each:.3g}", *days, size(cost[1]), size(cost[2]))
         totals["all"] += cost * (number in (0, 2))
         totals["near"] += cost * (number != 2)
     for name, total in totals.items():
         what = "everything" if name == "all" else "the nearest only"
-        print(f"| **{what}** | | | {total[0]:.3g} | {total[0] / workers:.3g} | {size(total[1])} | {size(total[2])} |")
+        days = (f"{total[0]:.3g}", f"{total[0] / workers:.3g}")
+        table.row(f"**{what}**", "", "", *days, size(total[1]), size(total[2]))
     share = 1 - (through + near) / pairs
-    print(f"\n{share:.1%} of the pairs need not be matched. A task of 8 pairs takes {8 * per['match']:.0f} s; "
-          f"the scheduler sees two keys a pair ({64 * pairs / 1e9:.2g} GB for all), arrays go through the store. "
-          f"Files: {per['shape files']:.0f} a shape, {per['pair files']:.0f} a pair.")  # fmt: skip
+    record.note(f"{share:.1%} of the pairs need not be matched. A task of 8 pairs takes {8 * per['match']:.0f} s; "
+                f"the scheduler sees two keys a pair ({64 * pairs / 1e9:.2g} GB for all), arrays go through the store. "
+                f"Files: {per['shape files']:.0f} a shape, {per['pair files']:.0f} a pair.")  # fmt: skip
 
 
 def traffic(per: dict[str, float]) -> float:
@@ -152,7 +157,7 @@ def size(count: float) -> str:
     raise AssertionError
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Measure, and print the plan."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root", type=Path)
@@ -161,15 +166,16 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=64)
     parser.add_argument("--nearest", type=int, default=20)
     parser.add_argument("--landmarks", type=int, default=20)
-    given = parser.parse_args()
+    given = parser.parse_args(record.arguments)
     files = mesh_files(given.root)
     chosen = [files[number] for number in np.linspace(0, len(files) - 1, given.shapes).round().astype(int)]
     with tempfile.TemporaryDirectory() as folder, default_workers(1), single_threaded_blas, warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        per = measure(chosen, Path(folder))
+        per = measure(record, chosen, Path(folder))
     print({name: float(f"{value:.3g}") for name, value in per.items()})
-    plan(per, given.many, given.workers, given.nearest, given.landmarks)
+    plan(record, per, given.many, given.workers, given.nearest, given.landmarks)
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

@@ -1,6 +1,6 @@
 """Errors of all maps of shapes before and after synchronisation, and which pairs were found wrong, as Markdown.
 
-    python benchmarks/consistent_maps.py ROOT --category victoria --store DIR
+    python benchmarks/consistent_maps.py ROOT --category victoria --store DIR [--json FILE]
     python benchmarks/consistent_maps.py faust_r --shapes 6 --store DIR
 
 ROOT as for ``matching.py``, of which a category is taken; or a set of shapes that share a template (``NAME.off`` and
@@ -20,7 +20,7 @@ from itertools import combinations
 from pathlib import Path
 
 import numpy as np
-from record import machine
+from record import Record, machine, recorded
 
 import qgeo_filters as qg
 from qgeo_filters.barycentric import BarycentricMap
@@ -78,14 +78,14 @@ def errors(
     return found
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print the table, and a line for each pair that was found wrong, or was wrong and not found."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root", type=Path)
     parser.add_argument("--category", default="victoria")
     parser.add_argument("--shapes", type=int)
     parser.add_argument("--store", type=Path, required=True)
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     data, names = opened(arguments.root, arguments.category)
     names = sorted(names[: arguments.shapes])
     shapes = {name: data.read(name) for name in names}
@@ -107,16 +107,13 @@ def main() -> None:
     print(f"<!-- and all else: {time.process_time() - started:.0f} CPU s -->", flush=True)
     found = errors(data, names, shapes, rows)
     print(f"{machine()}; {names[0]} to {names[-1]}, {len(names)} shapes, {len(maps)} maps\n")
-    print("| maps | mean | median | worst | wrong | better |")
-    print("| --- | ---: | ---: | ---: | ---: | ---: |")
+    table = record.table("", "maps", "mean", "median", "worst", "wrong", "better", align="lrrrrr")
     before = np.array(list(found["as matched"].values()))
     for row, of in found.items():
         values = np.array(list(of.values()))
         better = f"{100 * (values < before).mean():.0f} %" if row != "as matched" else ""
-        print(
-            f"| {row} | {values.mean():.4f} | {np.median(values):.4f} | {values.max():.4f} | "
-            f"{int((values > WRONG).sum())} | {better} |"
-        )
+        cells = (f"{values.mean():.4f}", f"{np.median(values):.4f}", f"{values.max():.4f}")
+        table.row(row, *cells, int((values > WRONG).sum()), better)
     print()
     for pair in report:
         key = pair.x, pair.y
@@ -133,4 +130,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

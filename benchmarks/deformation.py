@@ -1,6 +1,6 @@
 """Deformation transfer and interpolation against truth, and how many frames a second they make, as Markdown tables.
 
-    python benchmarks/deformation.py DATA [--only horse tosca people animals smal interpolation speed]
+    python benchmarks/deformation.py DATA [--only horse tosca people animals smal interpolation speed] [--json FILE]
 
 DATA holds ``deformation_transfer``, ``tosca`` and ``harder``. Errors are mean distances between vertices over
 sqrt(area); "bound" is the same transfer along the true map. Where frames differ, both are brought together by a rigid
@@ -20,7 +20,7 @@ from pathlib import Path
 import igl
 import numpy as np
 import pymeshlab
-from record import machine
+from record import Record, machine, recorded
 from sumner_popovic import PlainTransfer
 
 import qgeo_filters as qg
@@ -76,12 +76,11 @@ def rigidly(found: np.ndarray, truth: np.ndarray) -> np.ndarray:
     return Similarity.between(found, truth, np.ones(len(truth)), 1.0)(found)
 
 
-def horse(data: Path) -> None:
+def horse(data: Path, record: Record) -> None:
     """Poses of the horse on the horse in other triangles."""
     x, poses = sequence(data, "horse")
-    print("### The horse onto itself, remeshed and shuffled: all poses\n")
-    print("| vertices of Y | map error | by the map alone | transfer | bound: true map | ratio | worst pose |")
-    print("| ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
+    errors = ("map error", "by the map alone", "transfer", "bound: true map", "ratio", "worst pose")
+    table = record.table("horse", "vertices of Y", *errors, align="rrrrrrr")
     for count in (5000, 2500):
         y = shuffled(decimated(x, count).surface)
         true = closest_points(y.vertices, x)
@@ -95,15 +94,14 @@ def horse(data: Path) -> None:
         of_map = error(auto.pulled_back(x.vertices), true.pulled_back(x.vertices), y.area)
         bound, ours = np.mean(rows, axis=1)
         cells = [f"{v:.5f}" for v in (of_map, np.mean(plain), ours, bound)]
-        print(f"| {count} | {' | '.join(cells)} | {ours / bound:.2f} | {np.max(rows[1]):.5f} |", flush=True)
+        table.row(count, *cells, f"{ours / bound:.2f}", f"{np.max(rows[1]):.5f}")
 
 
-def tosca(data: Path) -> None:
+def tosca(data: Path, record: Record) -> None:
     """A third pose of a body is brought into a pose that is there as another mesh, by way of a reference."""
     read = ToscaRemeshed(data / "tosca")
-    print("\n### TOSCA: Y, in a third pose, takes the pose of a scan by way of X; three triangulations\n")
-    print("| X | scan | Y | apart at rest | vertices at hand | error |")
-    print("| --- | --- | --- | ---: | ---: | ---: |")
+    columns = ("X", "scan", "Y", "apart at rest", "vertices at hand", "error")
+    table = record.table("tosca", *columns, align="lllrrr")
     for x, scan, y in TOSCA:
         reference, pose, body = (read.read(name) for name in (x, scan, y))
         result = qg.transfer_deformation(
@@ -114,14 +112,13 @@ def tosca(data: Path) -> None:
         # How far the vertices at hand are from the true places: those of another triangulation.
         spacing = float(np.median(pose.edge_lengths) / 2 / np.sqrt(pose.area))
         found = error(rigidly(result.positions[0][truth.points], places), places, pose.area)
-        print(f"| {x} | {scan} | {y} | {result.apart:.3f} | {spacing:.4f} | {found:.4f} |", flush=True)
+        table.row(x, scan, y, f"{result.apart:.3f}", f"{spacing:.4f}", f"{found:.4f}")
 
 
-def people(data: Path) -> None:
+def people(data: Path, record: Record) -> None:
     """One individual in the pose of another."""
-    print("\n### Another person's pose, no reference: `transfer_pose`\n")
-    print("| pose of | taken by | error | PMD x 1000 | X itself, grown to the size of Y | its PMD | edges changed, % |")
-    print("| --- | --- | ---: | ---: | ---: | ---: | ---: |")
+    columns = ("error", "PMD x 1000", "X itself, grown to the size of Y", "its PMD", "edges changed, %")
+    table = record.table("people", "pose of", "taken by", *columns, align="llrrrrr")
     for folder, x, y, target in PEOPLE:
         root = data / "harder" / folder
         pose, body, truth = (qg.as_surface(str(root / f"{name}.off")) for name in (x, y, target))
@@ -137,15 +134,14 @@ def people(data: Path) -> None:
             near = rigidly(positions[points], places)
             height = float(np.ptp(places, axis=0).max())
             cells += [error(near, places, truth.area), 1000 * ((near - places) ** 2).sum(axis=1).mean() / height**2]
-        row = f"{cells[0]:.4f} | {cells[1]:.2f} | {cells[2]:.4f} | {cells[3]:.2f} | {100 * changed:.1f}"
-        print(f"| {x} | {y} | {row} |", flush=True)
+        found_cells, grown_cells = ((f"{cells[i]:.4f}", f"{cells[i + 1]:.2f}") for i in (0, 2))
+        table.row(x, y, *found_cells, *grown_cells, f"{100 * changed:.1f}")
 
 
-def animals(data: Path) -> None:
+def animals(data: Path, record: Record) -> None:
     """The poses of each animal on the others."""
-    print("\n### Horse, cat and lion onto each other\n")
-    print("| X | Y | sure | poses | edges changed on X, % | on Y, % | folded edges on X | on Y |")
-    print("| --- | --- | --- | ---: | ---: | ---: | ---: | ---: |")
+    columns = ("poses", "edges changed on X, %", "on Y, %", "folded edges on X", "on Y")
+    table = record.table("animals", "X", "Y", "sure", *columns, align="lllrrrrr")
     for a in ANIMALS:
         x, poses = sequence(data, a)
         for b in ANIMALS:
@@ -161,7 +157,7 @@ def animals(data: Path) -> None:
             changed = [f"{100 * edge_changes(film).mean():.1f}" for film in both]
             folded = [str(sum(folded_edges(film.surface, p) for p in film.positions)) for film in both]
             sure = "yes" if result.correspondence.confident else "no"
-            print(f"| {a} | {b} | {sure} | {len(poses)} | {' | '.join(changed + folded)} |", flush=True)
+            table.row(a, b, sure, len(poses), *changed, *folded)
 
 
 def crossing(surface: qg.Surface, positions: np.ndarray) -> int:
@@ -172,14 +168,11 @@ def crossing(surface: qg.Surface, positions: np.ndarray) -> int:
     return int(meshes.current_mesh().selected_face_number())
 
 
-def smal(data: Path) -> None:
+def smal(data: Path, record: Record) -> None:
     """The poses of the animals on those of SMAL, which stand in another pose and are other species."""
-    print("\n### Onto the animals of SMAL, remeshed: another species in another pose\n")
-    print(
-        "| X | Y | sure | poses | apart at rest | edges changed on X, % | on Y, % | folded edges a pose: X | Y | "
-        "crossing triangles a pose, % (at rest): X | Y |"
-    )
-    print("| --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
+    edges = ("edges changed on X, %", "on Y, %", "folded edges a pose: X", "Y")
+    columns = ("X", "Y", "sure", "poses", "apart at rest", *edges, "crossing triangles a pose, % (at rest): X", "Y")
+    table = record.table("smal", *columns, align="lll" + 8 * "r")
     for a, b in SMAL:
         x, poses = sequence(data, a)
         y = qg.Surface.read(data / "harder" / "smal_r" / f"{b}.off")
@@ -198,8 +191,7 @@ def smal(data: Path) -> None:
             )
             cut.append(f"{np.mean(moved):.1f} ({rest:.1f})")
         sure = "yes" if result.correspondence.confident else "no"
-        cells = " | ".join(changed + folded + cut)
-        print(f"| {a} | {b} | {sure} | {len(poses)} | {result.apart:.3f} | {cells} |", flush=True)
+        table.row(a, b, sure, len(poses), f"{result.apart:.3f}", *changed, *folded, *cut)
 
 
 def volume(surface: qg.Surface, positions: np.ndarray) -> float:
@@ -230,14 +222,10 @@ def ways(start: qg.Surface, end: np.ndarray) -> Iterator[tuple[str, np.ndarray]]
     yield "libigl ARAP", igl.arap_solve(0.5 * (start.vertices + end)[handles], solver, start.vertices)
 
 
-def interpolation(data: Path) -> None:
+def interpolation(data: Path, record: Record) -> None:
     """Half way between poses."""
-    print("\n### Half way between two poses\n")
-    print(
-        "Differences of the lengths of edges and of the volume from the mean of both ends, %; conformal distortion.\n"
-    )
-    print("| poses | method | edges, mean | edges, 99 % below | volume | conformal |")
-    print("| --- | --- | ---: | ---: | ---: | ---: |")
+    columns = ("edges, mean %", "edges, 99 % below", "volume, %", "conformal")
+    table = record.table("interpolation", "poses", "method", *columns, align="llrrrr")
     for animal, i, j in (("horse", 0, 5), ("cat", 0, 6), ("cat", 3, 8), ("lion", 1, 5)):
         rest, poses = sequence(data, animal)
         start, end = rest.with_vertices(poses[i]), poses[j]
@@ -247,18 +235,14 @@ def interpolation(data: Path) -> None:
         for name, found in ways(start, end):
             changed = 100 * np.abs(start.with_vertices(found).edge_lengths[kept] / middle[kept] - 1)
             grown = 100 * (volume(rest, found) / size - 1)
-            row = f"{changed.mean():.2f} | {np.quantile(changed, 0.99):.1f} | {grown:+.1f}"
-            print(f"| {animal} {i + 1}-{j + 1} | {name} | {row} | {conformal(start, found):.3f} |", flush=True)
+            cells = (f"{changed.mean():.2f}", f"{np.quantile(changed, 0.99):.1f}", f"{grown:+.1f}")
+            table.row(f"{animal} {i + 1}-{j + 1}", name, *cells, f"{conformal(start, found):.3f}")
 
 
-def speed(data: Path) -> None:
+def speed(data: Path, record: Record) -> None:
     """Frames a second of one thread after the first, ours and those of a plain implementation."""
-    print("\n### Frames a CPU second, one thread, after the preparation\n")
-    print(
-        "| vertices of Y | prepared in, CPU s: ours | plain | transfer, frames/s: ours | plain | error: ours | plain | "
-        "interpolation, frames/s |"
-    )
-    print("| ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
+    pairs = ("prepared in, CPU s: ours", "plain", "transfer, frames/s: ours", "plain", "error: ours", "plain")
+    table = record.table("speed", "vertices of Y", *pairs, "interpolation, frames/s", align=8 * "r")
     x, poses = sequence(data, "horse")
     fine = qg.Surface(*igl.upsample(x.vertices, x.faces.astype(np.int64), 1))
     larger = qg.Surface(*igl.upsample(fine.vertices, fine.faces.astype(np.int64), 1))
@@ -282,8 +266,7 @@ def speed(data: Path) -> None:
         for t in np.linspace(0.1, 0.9, 12):
             way(t)
         frames = 12 / (time.process_time() - begin)
-        row = " | ".join(" | ".join(pair) for pair in zip(*cells, strict=True))
-        print(f"| {y.n_vertices} | {row} | {frames:.1f} |", flush=True)
+        table.row(y.n_vertices, *(cell for pair in zip(*cells, strict=True) for cell in pair), f"{frames:.1f}")
 
 
 def planned(x: qg.Surface, y: qg.Surface, place: qg.BarycentricMap) -> Callable[[np.ndarray], np.ndarray]:
@@ -295,16 +278,17 @@ def planned(x: qg.Surface, y: qg.Surface, place: qg.BarycentricMap) -> Callable[
 PARTS = {part.__name__: part for part in (horse, tosca, people, animals, smal, interpolation, speed)}
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print the tables, each row as it is done."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("data", type=Path)
     parser.add_argument("--only", nargs="+", choices=PARTS, default=list(PARTS))
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     print(f"{machine()}\n")
     for name in arguments.only:
-        PARTS[name](arguments.data)
+        PARTS[name](arguments.data, record)
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

@@ -1,6 +1,6 @@
 """By what the right one of several close maps is told best, as a Markdown table.
 
-    python benchmarks/matching_choice.py ROOT --categories cat dog centaur
+    python benchmarks/matching_choice.py ROOT --categories cat dog centaur [--json FILE]
 
 ROOT as for ``matching.py``. For each pair, the contenders that `qg.match` takes further: what they cost in the preview,
 and where they end (see `choose_map`). A rule chooses the one that costs least at the end, which is what `qg.match`
@@ -15,7 +15,7 @@ from __future__ import annotations
 import argparse
 
 import numpy as np
-from record import machine
+from record import Record, Table, machine, recorded
 
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
 from qgeo_filters.evaluation.datasets import PointMap
@@ -34,13 +34,13 @@ WRONG = 0.1
 RULES = ("end", "end without relief", "trial", "both")
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print a row for each category; each pair with a wrong contender as it is done, as a comment."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root")
     parser.add_argument("--categories", nargs="+", default=["cat", "dog", "centaur"])
     parser.add_argument("--pairs", nargs="+", metavar="X-Y", help="these alone, as one category")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     data = ToscaRemeshed(arguments.root)
     if arguments.pairs:
         groups = {"these": [(x, y) for x, y in (pair.split("-") for pair in arguments.pairs)]}
@@ -48,13 +48,12 @@ def main() -> None:
         groups = {category: list(data.pairs(category)) for category in arguments.categories}
     print(f"{machine()}\n")
     heads = [f"least ratio, by {rule}" for rule in RULES] + [f"error, by {rule}" for rule in RULES]
-    print(f"| category | pairs | with a wrong contender | {' | '.join(heads)} |")
-    print("| --- |" + " ---: |" * (2 + len(heads)))
+    table = record.table("", "category", "pairs", "with a wrong contender", *heads, align="l" + 10 * "r")
     for category, pairs in groups.items():
-        _row(data, category, by_target(pairs))
+        _row(table, data, category, by_target(pairs))
 
 
-def _row(data: ToscaRemeshed, category: str, pairs: list[tuple[str, str]]) -> None:
+def _row(table: Table, data: ToscaRemeshed, category: str, pairs: list[tuple[str, str]]) -> None:
     shapes: dict[str, PreparedShape] = {}
     ruler: tuple[str, np.ndarray] = ("", np.zeros((0, 0)))
     ratios, chosen = [], []
@@ -71,7 +70,7 @@ def _row(data: ToscaRemeshed, category: str, pairs: list[tuple[str, str]]) -> No
             print(f"<!-- {a}-{b}: {', '.join(f'{ratio:.2f}' for ratio in ratios[-1])} -->", flush=True)
     least = [f"{ratio:.2f}" for ratio in np.min(ratios, axis=0)] if ratios else ["-"] * len(RULES)
     means = [f"{error:.4f}" for error in np.mean(chosen, axis=0)]
-    print(f"| {category} | {len(pairs)} | {len(ratios)} | {' | '.join(least + means)} |", flush=True)
+    table.row(category, len(pairs), len(ratios), *least, *means)
 
 
 def _contending(
@@ -92,4 +91,5 @@ def _contending(
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

@@ -1,6 +1,6 @@
 """Negative controls: shapes without a symmetry, mirror images and other shapes, as a Markdown table.
 
-    python benchmarks/matching_controls.py --seeds 10
+    python benchmarks/matching_controls.py --seeds 10 [--json FILE]
 
 All shapes are star-shaped bodies whose radius is a formula, so that any can be triangulated a second time, with every
 direction known on both. A blob is a sphere displaced by nine waves about random axes; a creature has five unequal limbs
@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 from geodesics_common import cpu
-from record import machine
+from record import Record, recorded
 from scipy.spatial import ConvexHull, cKDTree
 from scipy.spatial.transform import Rotation
 
@@ -89,11 +89,11 @@ def controls(kind: Callable[[int], Radius], seed: int) -> Iterator[tuple[str, bo
     yield "bent copy right, mean error < .05", error < 0.05, f"{error:.4f}"
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print each answer as a comment; then how many were yes, and how many should have been."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=10)
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     counts: dict[str, dict[str, int]] = {}
     total = 0.0
     for label, kind in (("blob", blob), ("creature", creature)):
@@ -104,12 +104,13 @@ def main() -> None:
                 counts.setdefault(question, {}).setdefault(label, 0)
                 counts[question][label] += yes
                 print(f"<!-- {label} {seed}, {question}: {'yes' if yes else 'no'}; {said} -->", flush=True)
-    print(f"\n{machine()}; {total:.0f} CPU s\n\n| of {arguments.seeds} shapes | should be | blobs | creatures |")
-    print("|---|---:|---:|---:|")
+    table = record.table("", f"of {arguments.seeds} shapes", "should be", "blobs", "creatures", align="lrrr")
     for question, yes in counts.items():
         right = arguments.seeds if "bent" in question else 0
-        print(f"| {question} | {right} | {yes['blob']} | {yes['creature']} |")
+        table.row(question, right, yes["blob"], yes["creature"])
+    record.note(f"{total:.0f} CPU s.")
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 
 import numpy as np
-from record import machine
+from record import Record, machine, recorded
 
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
 from qgeo_filters.evaluation.datasets import PointMap
@@ -40,16 +40,16 @@ def zoomed_out(x: PreparedShape, y: PreparedShape, p2p: np.ndarray) -> np.ndarra
     return nearest_neighbors(x.laplacian @ functional, y.laplacian)
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print a row for each pair, and the means."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root")
     parser.add_argument("--pairs", nargs="+", default=PAIRS, metavar="X-Y")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     data = ToscaRemeshed(arguments.root)
     print(f"{machine()}\n")
-    print("| pair | registration: error, strain | without the start afresh: error, strain | ZoomOut: error |")
-    print("| --- | ---: | ---: | ---: |")
+    columns = ("pair", "registration: error, strain", "without the start afresh: error, strain", "ZoomOut: error")
+    table = record.table("", *columns, align="lrrr")
     rows = []
     for pair in arguments.pairs:
         problem = MatchProblem.of(*(data.read(name) for name in pair.split("-")), FULL)
@@ -63,18 +63,19 @@ def main() -> None:
             result = register(problem, start, Schedule.of(problem, stages))
             values += [_error(result.p2p, truth, y), x.arap.energy(result.positions)]
         rows.append([*values, _error(zoomed_out(x, y, start), truth, y)])
-        print(_line(pair, rows[-1]), flush=True)
-    print(_line("mean", np.mean(rows, axis=0)))
+        table.row(pair, *_cells(rows[-1]))
+    table.row("mean", *_cells(np.mean(rows, axis=0)))
 
 
 def _error(p2p: np.ndarray, truth: PointMap, y: PreparedShape) -> float:
     return float(geodesic_error(p2p[truth.points], truth.images, y.surface).mean())
 
 
-def _line(label: str, row: np.ndarray | list[float]) -> str:
+def _cells(row: np.ndarray | list[float]) -> tuple[str, str, str]:
     one, strain, other, other_strain, zoomed = row
-    return f"| {label} | {one:.4f}, {strain:.3f} | {other:.4f}, {other_strain:.3f} | {zoomed:.4f} |"
+    return f"{one:.4f}, {strain:.3f}", f"{other:.4f}, {other_strain:.3f}", f"{zoomed:.4f}"
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

@@ -1,6 +1,6 @@
 """The correspondence without hints, with one landmark, and with three, as a Markdown table.
 
-    python benchmarks/matching_hints.py ROOT --pairs tosca_nonisometric/8_gorilla_01-8_man_01 teeth/H16-J07
+    python benchmarks/matching_hints.py ROOT --pairs tosca_nonisometric/8_gorilla_01-8_man_01 [--json FILE]
 
 ROOT holds folders of shapes, NAME.off, with ``corres/NAME.vts``: a line for each point of truth, its vertex from 1; 0
 where there is none. The pair is then FOLDER/X-Y, and line k of X corresponds to line k of Y. The landmarks are the
@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 from geodesics_common import cpu
-from record import machine
+from record import Record, machine, recorded
 from scipy.spatial import cKDTree
 
 import qgeo_filters as qg
@@ -61,17 +61,17 @@ def ends(x: qg.Surface, points: np.ndarray, count: int) -> np.ndarray:
     return np.array(chosen)
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print a row for each pair."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root", type=Path)
     parser.add_argument("--pairs", nargs="+", default=PAIRS, metavar="FOLDER/X-Y")
     parser.add_argument("--landmarks", nargs="+", type=int, default=[0, 1, 3], metavar="COUNT")
     parser.add_argument("--vertices", type=int, metavar="N")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     print(f"{machine()}\n")
     heads = [f"{count} landmark{'' if count == 1 else 's'}" if count else "no hints" for count in arguments.landmarks]
-    print("| pair | " + " | ".join(heads) + " |\n| --- |" + " ---: |" * len(heads))
+    table = record.table("", "pair", *heads, align="l" + len(heads) * "r")
     for pair in arguments.pairs:
         folder, _, names = pair.rpartition("/")
         cells, comments = [], []
@@ -89,9 +89,10 @@ def main() -> None:
             mean = f"**{errors.mean():.3f}**" if errors.mean() > WRONG else f"{errors.mean():.3f}"
             cells.append(f"{mean} {'sure' if found.confident else 'unsure'}")
             comments.append(f"<!-- {pair}, {count}: {found.explanation}; {seconds:.1f} CPU s -->")
-        print(f"| {pair} | " + " | ".join(cells) + " |", flush=True)
+        table.row(pair, *cells)
         print("\n".join(comments), flush=True)
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

@@ -1,6 +1,6 @@
 """What each choice from coarse to fine does to errors and time of `match`, as a Markdown table.
 
-    python benchmarks/matching_levels.py ROOT --pairs dog0-dog3 cat0-cat1 --only "as it is" "search at 1500"
+    python benchmarks/matching_levels.py ROOT --pairs dog0-dog3 cat0-cat1 --only "as it is" [--json FILE]
 
 ROOT as for ``matching.py``; pairs of the tuning categories by default. CPU seconds of all threads, everything included
 but reading; errors are direct, mean over the vertices of X, in units of sqrt(area). The last column counts the pairs
@@ -14,7 +14,7 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from record import machine
+from record import Record, recorded
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
@@ -38,13 +38,13 @@ PAIRS = ["dog0-dog3", "cat0-cat1", "centaur0-centaur1", "dog6-dog2", "cat3-cat6"
 _FIRST_METRIC = f"signs of eigenfunctions, curvature weight {GIVEN.curvature_weights[0]:g}"
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print a row for each choice; each pair as it is done, as a comment."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root")
     parser.add_argument("--pairs", nargs="+", default=PAIRS, metavar="X-Y")
     parser.add_argument("--only", nargs="+", default=list(CHOICES), choices=list(CHOICES), metavar="CHOICE")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     data = ToscaRemeshed(arguments.root)
     qg.warmup()
     rows = []
@@ -59,11 +59,13 @@ def main() -> None:
             errors.append(float(geodesic_error(found.p2p[truth.points], truth.images, y).mean()))
             doubts += any(entry.proposed_by == _FIRST_METRIC for entry in found.log)
             print(f"<!-- {choice}, {pair}: {errors[-1]:.4f}, {seconds[-1]:.1f} s -->", flush=True)
-        rows.append(f"| {choice} | {np.mean(errors):.4f} | {max(errors):.4f} | {np.mean(seconds):.1f} | {doubts} |")
-    print(f"\n{machine()}, {len(arguments.pairs)} pairs: {', '.join(arguments.pairs)}\n")
-    print("| choice | mean error | worst pair | CPU s a pair | doubts |\n|---|---:|---:|---:|---:|")
-    print("\n".join(rows))
+        rows.append((choice, f"{np.mean(errors):.4f}", f"{max(errors):.4f}", f"{np.mean(seconds):.1f}", doubts))
+    table = record.table("", "choice", "mean error", "worst pair", "CPU s a pair", "doubts", align="lrrrr")
+    for row in rows:
+        table.row(*row)
+    record.note(f"{len(arguments.pairs)} pairs: {', '.join(arguments.pairs)}.")
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

@@ -14,7 +14,7 @@ from __future__ import annotations
 import argparse
 
 import numpy as np
-from record import machine
+from record import Record, machine, recorded
 from scipy.spatial import cKDTree
 
 from qgeo_filters.evaluation import VtsDataset
@@ -29,24 +29,22 @@ from qgeo_filters.matching.selection.decision import close_contenders, previewed
 PROPOSED, RIGHT = 0.2, 0.1
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print a row for each pair."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder")
     parser.add_argument("--pairs", nargs="+", required=True, metavar="X-Y")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     data = VtsDataset(arguments.folder)
     print(f"{machine()}\n")
-    print(
-        "| pair | least error: candidates | previewed | at the end | chosen | lost | cost of the chosen : the right |"
-    )
-    print("| --- | ---: | ---: | ---: | ---: | --- | ---: |")
+    errors = ("least error: candidates", "previewed", "at the end", "chosen")
+    table = record.table("", "pair", *errors, "lost", "cost of the chosen : the right", align="lrrrrlr")
     for pair in arguments.pairs:
         x, y = pair.split("-")
-        print(_row(pair, PreparedShape(data.read(x)), PreparedShape(data.read(y)), data.truth(x, y)), flush=True)
+        table.row(pair, *_cells(PreparedShape(data.read(x)), PreparedShape(data.read(y)), data.truth(x, y)))
 
 
-def _row(pair: str, x: PreparedShape, y: PreparedShape, truth) -> str:  # type: ignore[no-untyped-def]
+def _cells(x: PreparedShape, y: PreparedShape, truth) -> list[str]:  # type: ignore[no-untyped-def]
     there = [np.arange(one.given.n_vertices) if one.repair is None else one.repair.vertex_of_original for one in (x, y)]
     known = x.vertex_of_full[there[0][truth.points]]
     nearest = cKDTree(x.unit.vertices[known]).query(x.unit.vertices)[1]
@@ -76,9 +74,9 @@ def _row(pair: str, x: PreparedShape, y: PreparedShape, truth) -> str:  # type: 
     (true,) = registered(problem, [(chosen.number, images)], problem.parameters.coarse_to_fine)
     right = min([c.end_cost for c in ends if error(c.dense.p2p) < RIGHT], default=true.end_cost)
     x.arap.release()
-    cells = [pair, *(f"{e:.3f}" for e in least), lost, f"{chosen.end_cost / right:.2f}"]
-    return "| " + " | ".join(cells) + " |"
+    return [*(f"{e:.3f}" for e in least), lost, f"{chosen.end_cost / right:.2f}"]
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

@@ -1,6 +1,6 @@
 """Parts matched to the whole, as a Markdown table: how far off, how many are right, and whether that is known.
 
-    python benchmarks/matching_partial.py --tosca ROOT --pfarm FOLDER
+    python benchmarks/matching_partial.py --tosca ROOT --pfarm FOLDER [--json FILE]
     python benchmarks/matching_partial.py --tosca ROOT --within 0.0 0.07 0.15 1.0
 
 ROOT as for ``matching.py``: poses are cut by planes in random directions (35 to 80 % of the area stay), or lose five
@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from record import machine
+from record import Record, Table, machine, recorded
 from scipy.spatial import cKDTree
 
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
@@ -52,7 +52,7 @@ class Case:
     truth: np.ndarray
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print a table of sets, or of values; each case as it is done, as a comment."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tosca", metavar="ROOT")
@@ -61,11 +61,11 @@ def main() -> None:
     parser.add_argument("--seeds", nargs="+", type=int, default=[0, 1])
     parser.add_argument("--landmarks", nargs="+", type=int, default=[0], metavar="COUNT")
     parser.add_argument("--within", nargs="+", type=float, default=[PartialParameters.within_bounds])
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     print(f"{machine()}\n")
-    print("| set | within bounds | landmarks | cases | share of the area | mean error | median | right | sure | "
-          "sure and wrong | overlap, IoU | CPU s |")  # fmt: skip
-    print("| --- |" + " ---: |" * 11)
+    counts = ("right", "sure", "sure and wrong", "overlap, IoU", "CPU s")
+    what = ("within bounds", "landmarks", "cases", "share of the area", "mean error", "median")
+    table = record.table("", "set", *what, *counts, align="l" + 11 * "r")
     sets: list[tuple[str, list[Case]]] = []
     if arguments.pfarm:
         cuts = list(_pfarm(Path(arguments.pfarm)))
@@ -79,7 +79,7 @@ def main() -> None:
     for name, cases in sets:
         for within in arguments.within:
             for count in arguments.landmarks:
-                _row(name, cases, replace(PartialParameters(), within_bounds=within), count)
+                _row(table, name, cases, replace(PartialParameters(), within_bounds=within), count)
 
 
 def _pfarm(folder: Path) -> Iterator[Case]:
@@ -121,7 +121,7 @@ def _outside_patches(pose: Surface, random: np.random.Generator) -> np.ndarray:
     return np.all(rows > random.uniform(0.1, 0.22, (5, 1)), axis=0)
 
 
-def _row(name: str, cases: list[Case], given: PartialParameters, count: int) -> None:
+def _row(table: Table, name: str, cases: list[Case], given: PartialParameters, count: int) -> None:
     shares, errors, sure, overlaps, seconds = [], [], [], [], []
     for case in cases:
         start = time.process_time()
@@ -139,9 +139,10 @@ def _row(name: str, cases: list[Case], given: PartialParameters, count: int) -> 
         said = f"{'sure' if sure[-1] else 'not sure'}: {found.explanation}"
         print(f"<!-- {name}, {case.name}: error {errors[-1]:.4f}, overlap {overlaps[-1]:.2f}; {said} -->", flush=True)
     wrong = np.array(errors) > RIGHT
-    print(f"| {name} | {given.within_bounds:g} | {count} | {len(cases)} | {min(shares):.2f} to {max(shares):.2f} | "
-          f"{np.mean(errors):.3f} | {np.median(errors):.3f} | {int((~wrong).sum())} | {sum(sure)} | "
-          f"{int((wrong & sure).sum())} | {np.mean(overlaps):.2f} | {np.mean(seconds):.1f} |", flush=True)  # fmt: skip
+    share = f"{min(shares):.2f} to {max(shares):.2f}"
+    found_cells = (f"{np.mean(errors):.3f}", f"{np.median(errors):.3f}", int((~wrong).sum()), sum(sure))
+    rest = (int((wrong & sure).sum()), f"{np.mean(overlaps):.2f}", f"{np.mean(seconds):.1f}")
+    table.row(name, f"{given.within_bounds:g}", count, len(cases), share, *found_cells, *rest)
 
 
 def _landmarks(case: Case, count: int) -> list[tuple[int, int]] | None:
@@ -165,4 +166,5 @@ def _overlap(found: np.ndarray, case: Case) -> float:
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

@@ -1,7 +1,7 @@
 """The map-free correspondence beside pyFM on the same pairs of TOSCA, as Markdown tables.
 
     pip install pyfmaps
-    python benchmarks/matching_peers.py ROOT --categories cat dog centaur --pairs 3 --store DIR
+    python benchmarks/matching_peers.py ROOT --categories cat dog centaur --pairs 3 --store DIR [--json FILE]
 
 ROOT holds ``remeshed``, ``ground_truth`` and ``symmetry`` (see `ToscaRemeshed`); pairs and store are those of
 ``matching.py``, whose finished pairs are taken over. The peer does what the quick start of its README says (pyfmaps
@@ -22,7 +22,7 @@ import numpy as np
 from geodesics_common import cpu
 from pyFM.functional import FunctionalMapping
 from pyFM.mesh import TriMesh
-from record import machine
+from record import Record, machine, recorded
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import PairResult, Row, ToscaRemeshed, symmetric_errors
@@ -84,14 +84,14 @@ def preparing(data: ToscaRemeshed, pairs: list[tuple[str, str]]) -> dict[str, fl
     return {FITTED: pyfm, REFINED: pyfm, OURS: own}
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print each pair as it is done, as a comment; then the pooled table and the means by category."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root")
     parser.add_argument("--categories", nargs="+", default=CATEGORIES)
     parser.add_argument("--pairs", type=int, help="pairs of each category, drawn at random (seed 0); all by default")
     parser.add_argument("--store", type=Path, help="folder in which finished pairs are kept")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     data = ToscaRemeshed(arguments.root)
     store = PairStore(arguments.store) if arguments.store else None
     qg.warmup()
@@ -109,8 +109,9 @@ def main() -> None:
             if isinstance(outcome, PairFailure):
                 raise outcome.error
             add(results, OURS, outcome)
-    print(f"pyfmaps {version('pyfmaps')}, {machine()}\n")
-    report(results, preparing(data, firsts))
+    print(f"{machine()}\n")
+    report(record, results, preparing(data, firsts))
+    record.note(f"pyfmaps {version('pyfmaps')}.")
 
 
 def add(results: dict[str, list[PairResult]], method: str, result: PairResult) -> None:
@@ -122,24 +123,24 @@ def add(results: dict[str, list[PairResult]], method: str, result: PairResult) -
     )
 
 
-def report(results: dict[str, list[PairResult]], prepared: dict[str, float]) -> None:
-    """Print both tables."""
+def report(record: Record, results: dict[str, list[PairResult]], prepared: dict[str, float]) -> None:
+    """Both tables."""
     head = ["method", "pairs", "mean", "median", "< .05 (%)", "< .10 (%)", "< .25 (%)", "mirrored", "failed"]
     head += ["CPU s a pair", "and for its two shapes"]
-    print("| " + " | ".join(head) + " |\n|---|" + "---:|" * (len(head) - 1))
+    table = record.table("all", *head, align="l" + (len(head) - 1) * "r")
     for method, found in results.items():
         row = Row.of(method, found)
         cells = [f"{row.n_pairs}", f"{row.mean:.4f}", f"{row.points.median:.4f}"]
         cells += [f"{100 * share:.1f}" for share in row.points.below]
         cells += [f"{row.n_mirrored}", f"{row.n_failed}", f"{row.seconds:.1f}", f"{prepared[method]:.1f}"]
-        print(f"| {method} | " + " | ".join(cells) + " |")
+        table.row(method, *cells)
     categories = list(dict.fromkeys(result.category for result in results[OURS]))
-    print("\n| mean error, worst pair | " + " | ".join(categories) + " |")
-    print("|---|" + "---:|" * len(categories))
+    table = record.table("each category", "mean error, worst pair", *categories, align="l" + len(categories) * "r")
     for method, found in results.items():
         rows = [Row.of(category, [r for r in found if r.category == category]) for category in categories]
-        print(f"| {method} | " + " | ".join(f"{row.mean:.4f}, {row.worst:.4f}" for row in rows) + " |")
+        table.row(method, *(f"{row.mean:.4f}, {row.worst:.4f}" for row in rows))
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

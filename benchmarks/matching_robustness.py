@@ -1,6 +1,6 @@
 """The map-free correspondence when one of the two poses is damaged or meshed otherwise, as a Markdown table.
 
-    python benchmarks/matching_robustness.py ROOT --pairs cat0-cat3 dog0-dog3 centaur0-centaur2
+    python benchmarks/matching_robustness.py ROOT --pairs cat0-cat3 dog0-dog3 centaur0-centaur2 [--json FILE]
 
 ROOT as for ``matching.py``. X is a pose, Y another one of it, triangulated independently, and then changed (see
 `matching_changes`). Errors are measured on Y before the change and in units of its sqrt(area), so that the ruler is
@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from geodesics_common import cpu
 from matching_changes import CHANGES, INVARIANT, Changed
-from record import machine
+from record import Record, recorded
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import ErrorSummary, ToscaRemeshed, symmetric_errors
@@ -59,13 +59,13 @@ def measured(x: qg.PreparedShape, y: qg.Surface, changed: Changed, truth: np.nda
     return Cell(text, comment, changed.origin[found.p2p])
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print each match as it is done, as a comment; then a row for each change and a column for each pair."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root")
     parser.add_argument("--pairs", nargs="+", default=["cat0-cat3", "dog0-dog3", "centaur0-centaur2"])
     parser.add_argument("--changes", nargs="+", choices=CHANGES, default=list(CHANGES), metavar="CHANGE")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     data = ToscaRemeshed(arguments.root)
     table: dict[str, list[str]] = {name: [] for name in arguments.changes}
     for pair in arguments.pairs:
@@ -84,11 +84,11 @@ def main() -> None:
                 text += f", {100 * (cell.images == first).mean():.1f} % the same"
             table[name].append(text)
             print(f"<!-- {pair}, {name}: {text}; {cell.comment} -->", flush=True)
-    print(f"\n{machine()}\n\n| change of Y | " + " | ".join(arguments.pairs) + " |")
-    print("|---|" + "---|" * len(arguments.pairs))
+    found = record.table("", "change of Y", *arguments.pairs)
     for name, cells in table.items():
-        print(f"| {name} | " + " | ".join(cells) + " |")
+        found.row(name, *cells)
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

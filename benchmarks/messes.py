@@ -1,6 +1,6 @@
 """`qg.match` on meshes with something wrong, as a Markdown table: what a user gets who repairs nothing.
 
-    python benchmarks/messes.py ROOT [--pair horse0-horse5] [--scape FOLDER] [--skulls FOLDER ...]
+    python benchmarks/messes.py ROOT [--pair horse0-horse5] [--scape FOLDER] [--skulls FOLDER ...] [--json FILE]
 
 ROOT as for ``matching.py``. X is spoilt (see `mesh_messes`) and matched with Y as it is. Errors are those at the
 vertices of X that the tidy mesh has too, in units of sqrt(area) of Y; "without partner" is the share of these that
@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from geodesics_common import cpu
 from mesh_messes import MESSES, Messy
-from record import machine
+from record import Record, machine, recorded
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import ToscaRemeshed
@@ -36,57 +36,54 @@ def triangles_back(shape: qg.PreparedShape, messy: Messy, tidy: qg.Surface) -> f
     return float(np.mean([face in there for face in map(tuple, np.sort(tidy.faces, axis=1).tolist())]))
 
 
-def spoilt_rows(root: str, pair: str, names: list[str], repair_only: bool) -> None:
+def spoilt_rows(record: Record, root: str, pair: str, names: list[str], repair_only: bool) -> None:
     """A row for each kind of mess."""
     data = ToscaRemeshed(root)
     one, other = pair.split("-")
     tidy, y = data.read(one), qg.PreparedShape(data.read(other))
     truth = data.truth(one, other).images
-    print(f"\n| X = {one}, Y = {other} | triangles | repair, s | repaired | mean error | without partner | match, s |")
-    print("|---|---|---|---|---|---|---|")
+    columns = ("triangles", "repair, s", "repaired", "mean error", "without partner", "match, s")
+    table = record.table("spoilt", f"X = {one}, Y = {other}", *columns, align="lllllrr")
     for name in names:
         messy = MESSES[name](np.array(tidy.vertices), np.array(tidy.faces), np.random.default_rng(0))
         mesh = messy.vertices, messy.faces
         try:
             shape, repairing = cpu(lambda mesh=mesh: qg.PreparedShape(mesh))
             said = "; ".join(shape.repair.report) if shape.repair else "-"
-            row = f"| {name} | {100 * triangles_back(shape, messy, tidy):.2f} % | {repairing:.2f} | {said} |"
+            row = (name, f"{100 * triangles_back(shape, messy, tidy):.2f} %", f"{repairing:.2f}", said)
             if repair_only:
-                print(f"{row} | | |", flush=True)
+                table.row(*row, "", "", "")
                 continue
             found, matching = cpu(lambda shape=shape: qg.match(shape, y))
         except qg.QgeoError as error:
-            print(f"| {name} | | | refused: {error} | | | |", flush=True)
+            table.row(name, "", "", f"refused: {error}", "", "", "")
             continue
         known = messy.origin >= 0
         errors = found.error(np.where(known, truth[messy.origin], -1))[known]
-        print(
-            f"{row} {np.nanmean(errors):.4f}, {verdict(found)} | {100 * np.isnan(errors).mean():.1f} % "
-            f"| {matching:.1f} |",
-            flush=True,
-        )
+        error_cell = f"{np.nanmean(errors):.4f}, {verdict(found)}"
+        table.row(*row, error_cell, f"{100 * np.isnan(errors).mean():.1f} %", f"{matching:.1f}")
 
 
-def real_repairs(folder: Path) -> None:
+def real_repairs(record: Record, folder: Path) -> None:
     """A row for each mesh of a folder: what is repaired of it."""
-    print(f"\n| {folder.name} | vertices | genus | seconds | repaired |\n|---|---|---|---|---|")
+    columns = ("vertices", "genus", "seconds", "repaired")
+    table = record.table(f"{folder.name}, repairs", folder.name, *columns, align="lrrrl")
     for path in sorted(folder.glob("*.off")):
         try:
             shape, seconds = cpu(lambda path=path: qg.PreparedShape(path))
         except qg.MeshError as error:
-            print(f"| {path.stem} | | | | refused: {error} |", flush=True)
+            table.row(path.stem, "", "", "", f"refused: {error}")
             continue
         said = "; ".join(shape.repair.report) if shape.repair else "-"
-        print(f"| {path.stem} | {shape.full.n_vertices} | {shape.full.genus} | {seconds:.2f} | {said} |", flush=True)
+        table.row(path.stem, shape.full.n_vertices, shape.full.genus, f"{seconds:.2f}", said)
 
 
-def real_rows(folder: Path, count: int) -> None:
+def real_rows(record: Record, folder: Path, count: int) -> None:
     """A row for each of the first pairs of a folder."""
     names = sorted(path.stem for path in folder.glob("*.off"))
     prepared: dict[str, qg.PreparedShape | str] = {}
-    print(
-        f"\n| {folder.name} | mean error | verdict | seconds: repairs, match | repaired of X |\n|---|---|---|---|---|"
-    )
+    columns = ("mean error", "verdict", "seconds: repairs, match", "repaired of X")
+    table = record.table(f"{folder.name}, matches", folder.name, *columns, align="lrlrl")
     for one, other in list(itertools.combinations(names, 2))[:count]:
         repairing = 0.0
         for name in (one, other):
@@ -98,7 +95,7 @@ def real_rows(folder: Path, count: int) -> None:
                     prepared[name] = str(error)
         x, y = prepared[one], prepared[other]
         if isinstance(x, str) or isinstance(y, str):
-            print(f"| {one}-{other} | refused: {x if isinstance(x, str) else y} | | | |", flush=True)
+            table.row(f"{one}-{other}", f"refused: {x if isinstance(x, str) else y}", "", "", "")
             continue
         found, matching = cpu(lambda x=x, y=y: qg.match(x, y))
         here, there = (np.loadtxt(folder / "corres" / f"{name}.vts", dtype=np.int64) - 1 for name in (one, other))
@@ -107,12 +104,10 @@ def real_rows(folder: Path, count: int) -> None:
         truth[here[known]] = there[known]
         said = "; ".join(x.repair.report) if x.repair else "-"
         error = np.nanmean(found.error(truth))
-        print(
-            f"| {one}-{other} | {error:.4f} | {verdict(found)} | {repairing:.2f}, {matching:.1f} | {said} |", flush=True
-        )
+        table.row(f"{one}-{other}", f"{error:.4f}", verdict(found), f"{repairing:.2f}, {matching:.1f}", said)
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print the tables, each row as it is done."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root")
@@ -122,14 +117,15 @@ def main() -> None:
     parser.add_argument("--skulls", type=Path, nargs="+", default=[], help="folders of mouse skulls, raw and wrapped")
     parser.add_argument("--count", type=int, default=2, help="pairs of each folder")
     parser.add_argument("--repair-only", action="store_true", help="match nothing")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     print(machine())
-    spoilt_rows(arguments.root, arguments.pair, arguments.messes, arguments.repair_only)
+    spoilt_rows(record, arguments.root, arguments.pair, arguments.messes, arguments.repair_only)
     for folder in [*([arguments.scape] if arguments.scape else []), *arguments.skulls]:
-        real_repairs(folder)
+        real_repairs(record, folder)
         if not arguments.repair_only:
-            real_rows(folder, arguments.count)
+            real_rows(record, folder, arguments.count)
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

@@ -1,6 +1,6 @@
 """The paper's Tables 1, 2 and 3 and Figures 1, 5, 6 and 7, printed beside measured, and ten maps, in one folder.
 
-    python benchmarks/paper.py --data ROOT --out DIR [--quick] [--parts table2 figure6 ...]
+    python benchmarks/paper.py --data ROOT --out DIR [--quick] [--parts table2 figure6 ...] [--json FILE]
 
 ROOT holds TOSCA's ``remeshed``, ``ground_truth`` and ``symmetry`` and, for Table 1, ``lowres``. DIR gets ``paper.md``
 and ``paper.html``, ``figures``, and ``stored``: results as they come, so that a run that was stopped goes on where it
@@ -15,9 +15,10 @@ from pathlib import Path
 
 from paper_figures import fifth_figure, first_figure, seventh_figure, sixth_figure, ten_maps
 from paper_maps import third_table
-from paper_page import write_page
+from paper_page import recorded_tables, write_page
 from paper_study import GUIDED, TUNING, Study
 from paper_tables import first_table, second_table
+from record import Record, recorded
 
 PARTS = {
     "table1": first_table,
@@ -35,7 +36,7 @@ SCALARS = ("curvedness", "gaussian_curvature", "shape_index", "differential_norm
 SCALAR_WEIGHTS = (0.01, 0.03, 0.1)
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Make the parts in turn, and the pages after each."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=Path, required=True, metavar="ROOT")
@@ -45,7 +46,7 @@ def main() -> None:
     parser.add_argument("--categories", nargs="+", default=list(CATEGORIES))
     parser.add_argument("--matches", type=Path, metavar="STORE", help="pairs kept by matching.py --store")
     parser.add_argument("--parts", nargs="+", choices=list(PARTS), default=list(PARTS))
-    options = parser.parse_args()
+    options = parser.parse_args(record.arguments)
     if options.quick:
         study = Study(options.data, options.out, TUNING, 2, (0.0, GUIDED), matches=options.matches)
     else:
@@ -62,7 +63,9 @@ def main() -> None:
             parts.append(PARTS[name](study))
             write_page(options.out, parts, setting)
             print(f"{name}: {options.out / 'paper.html'}", flush=True)
+    recorded_tables(record, parts)
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

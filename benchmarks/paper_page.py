@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from paper_study import Claim, Part
+from record import Record
 
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.report.html import StoredPicture, Table, formatted, write_report
@@ -30,6 +31,15 @@ def write_page(out: Path, parts: Sequence[Part], setting: str) -> None:
     write_report(
         out / "paper.html", TITLE, subtitle=f"{SOURCE}. {setting}", pictures=pictures, tables=tables, tables_first=True
     )
+
+
+def recorded_tables(record: Record, parts: Sequence[Part]) -> None:
+    """Put the claims and all tables of the parts into a record; bars within cells become slashes."""
+    claims = claim_table([claim for part in parts for claim in part.claims])
+    for table in (claims, *(table for part in parts for table in part.tables)):
+        kept = record.table(table.title, *(str(column).replace("|", "/") for column in table.columns))
+        for row in table.rows:
+            kept.row(*(formatted(value).replace("|", "/") for value in row))
 
 
 def claim_table(claims: Sequence[Claim]) -> Table:

@@ -1,6 +1,6 @@
 """One connectivity for two shapes (`remesh_like`): triangles turned over, error and distance from the surface.
 
-    python benchmarks/remesh_like.py ROOT --category cat --shapes 6 --store DIR [--pairs 7]
+    python benchmarks/remesh_like.py ROOT --category cat --shapes 6 --store DIR [--pairs 7] [--json FILE]
     python benchmarks/remesh_like.py faust_r --store DIR [--pairs 7]
 
 ROOT, ``--category``, ``--shapes`` and DIR as for ``consistent_maps.py``, whose matches are taken, the first so many
@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 from consistent_maps import matched, opened
-from geodesics_common import machine
+from record import Record, machine, recorded
 
 import qgeo_filters as qg
 from qgeo_filters.animation.measures import folded_edges
@@ -43,7 +43,7 @@ def measured(x: qg.Surface, y: qg.Surface, place: BarycentricMap, truth: PointMa
     return 100 * turned / x.n_faces, float(folded_edges(x, same.vertices)), float(error), float(gap)
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print a row of means."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root", type=Path)
@@ -51,7 +51,7 @@ def main() -> None:
     parser.add_argument("--shapes", type=int)
     parser.add_argument("--pairs", type=int, default=7)
     parser.add_argument("--store", type=Path, required=True)
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     data, names = opened(arguments.root, arguments.category)
     maps = matched(data, sorted(names[: arguments.shapes]), arguments.store)
     rows = [
@@ -60,11 +60,12 @@ def main() -> None:
     turned, folded, error, gap = np.mean(rows, axis=0)
     worst = max(row[0] for row in rows)
     print(f"<!-- {machine()}; {names[0]} ... -->")
-    print("| maps | turned over, % | worst | none at all | folded edges | error | from the shape |")
-    print("| ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
+    columns = ("maps", "turned over, %", "worst", "none at all", "folded edges", "error", "from the shape")
+    table = record.table("", *columns, align=7 * "r")
     none = sum(row[0] == 0 for row in rows)
-    print(f"| {len(rows)} | {turned:.2f} | {worst:.2f} | {none} | {folded:.0f} | {error:.4f} | {gap:.5f} |")
+    table.row(len(rows), f"{turned:.2f}", f"{worst:.2f}", none, f"{folded:.0f}", f"{error:.4f}", f"{gap:.5f}")
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

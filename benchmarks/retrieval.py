@@ -1,6 +1,6 @@
 """Retrieval on TOSCA's nine categories of ``lowres``: nearest neighbour, first and second tier, mAP, as Markdown.
 
-    python benchmarks/retrieval.py ROOT [--store DIR] [--per-category 3] [--workers 1]
+    python benchmarks/retrieval.py ROOT [--store DIR] [--per-category 3] [--workers 1] [--json FILE]
 
 ROOT holds ``lowres`` (``.vert`` and ``.tri``). The shapes are repaired where they need it, the groups are the
 categories. Two tables. The first is of all shapes, by what needs no map: ShapeDNA (the first 50 eigenvalues of the
@@ -19,7 +19,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
-from record import machine
+from record import Record, machine, recorded
 
 import qgeo_filters as qg
 from qgeo_filters.collection.settings import surface_key
@@ -103,29 +103,33 @@ def by_eigenvalues(shapes: Mapping[str, Surface]) -> dict[str, np.ndarray]:
     return {name: by_relative_difference(of_all) for name, of_all in rows.items()}
 
 
-def table(squares: Mapping[str, np.ndarray], groups: list[str]) -> None:
-    """Print a row for each distance."""
-    print("| distance | nearest neighbour | first tier | second tier | mAP |")
-    print("| --- | ---: | ---: | ---: | ---: |")
+def table(record: Record, title: str, squares: Mapping[str, np.ndarray], groups: list[str]) -> None:
+    """A row for each distance."""
+    rows = record.table(title, "distance", "nearest neighbour", "first tier", "second tier", "mAP", align="lrrrr")
     for name, square in squares.items():
         found = retrieval_scores(square, groups)
         scores = found.nearest_neighbor, found.first_tier, found.second_tier, found.mean_average_precision
-        print(f"| {name} | {' | '.join(f'{100 * score:.1f}' for score in scores)} |", flush=True)
+        rows.row(name, *(f"{100 * score:.1f}" for score in scores))
 
 
-def by_maps(shapes: Mapping[str, Surface], groups: dict[str, str], store: Path, workers: int) -> dict[str, np.ndarray]:
+def by_maps(
+    record: Record, shapes: Mapping[str, Surface], groups: dict[str, str], store: Path, workers: int
+) -> dict[str, np.ndarray]:
     """Squares of all measures of a collection, all pairs matched."""
     collection = qg.Collection(shapes, store, groups=groups, partial=False, mirror="no")
     collection.match(workers=workers)
     status = collection.status()
-    print(f"<!-- {status.matched} of {status.pairs} pairs, {status.confident} sure, {status.seconds:.0f} CPU s -->")
+    record.note(
+        f"{status.matched} of {status.pairs} pairs matched, {status.confident} of them sure, "
+        f"{status.seconds:.0f} CPU s."
+    )
     for problem in collection.problems:
         if problem.lost:
             print(f"<!-- {problem} -->")
     return {name: collection.distances(name).to_numpy() for name in MEASURES}
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print both tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root", type=Path)
@@ -133,21 +137,23 @@ def main() -> None:
     parser.add_argument("--per-category", type=int, default=3, help="of the second table: the first so many of each")
     parser.add_argument("--workers", type=int, default=1, help="processes")
     parser.add_argument("--without-first", action="store_true", help="print the second table only")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     data = ToscaLowres(arguments.root / "lowres")
     shapes = read(data)
     of = {name: data.category(name) for name in shapes}
     print(f"{machine()}; {len(shapes)} shapes of {len(data.categories)} categories\n")
     if not arguments.without_first:
-        table(by_eigenvalues(shapes), list(of.values()))
+        table(record, "all shapes", by_eigenvalues(shapes), list(of.values()))
     if arguments.store:
         fellows = {group: [name for name in shapes if of[name] == group] for group in data.categories}
         chosen = {name: shapes[name] for name in sampled(fellows, shapes, arguments.per_category)}
         groups = {name: of[name] for name in chosen}
-        squares = by_maps(chosen, groups, arguments.store, arguments.workers)
+        squares = by_maps(record, chosen, groups, arguments.store, arguments.workers)
         print(f"\n{len(chosen)} shapes: {', '.join(chosen)}\n")
-        table({f"`{name}`": square for name, square in squares.items()} | by_eigenvalues(chosen), list(groups.values()))
+        measures = {f"`{name}`": square for name, square in squares.items()} | by_eigenvalues(chosen)
+        table(record, "shapes that were matched", measures, list(groups.values()))
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

@@ -20,7 +20,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from record import machine
+from record import Record, machine, recorded
 
 import qgeo_filters as qg
 from qgeo_filters.decimation import decimated
@@ -91,13 +91,13 @@ def measured(path: Path, job: str) -> dict[str, float]:
     }
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print the table, row by row."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("meshes", nargs="+")
     parser.add_argument("--only", help="jobs whose names begin with these, with commas between")
     parser.add_argument("--one", action="store_true", help=argparse.SUPPRESS)
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     if arguments.one:
         print(json.dumps(measured(Path(arguments.meshes[0]), arguments.only)))
         return
@@ -105,21 +105,21 @@ def main() -> None:
         meshes = [noisy_blob(int(m), Path(folder)) if m.isdigit() else Path(m) for m in arguments.meshes]
         sizes = [qg.Surface.read(mesh).n_vertices for mesh in meshes]
         starts = tuple(arguments.only.split(",")) if arguments.only else ("",)
-        print(f"Machine: {machine()}. Wall-clock s / CPU s / peak GB.\n\n| | {' | '.join(map(str, sizes))} |")
-        print("|---" * (len(sizes) + 1) + "|", flush=True)
+        print(f"{machine()}")
+        table = record.table("wall-clock s / CPU s / peak GB", "", *map(str, sizes), align="l" + len(sizes) * "r")
         for job in (name for name in JOBS if name.startswith(starts)):
-            print(f"| {job} |", end="", flush=True)
+            cells = []
             for mesh in meshes:
                 command = [sys.executable, __file__, str(mesh), "--one", "--only", job]
                 ended = subprocess.run(command, capture_output=True, text=True, check=False)
                 if ended.returncode:
-                    cell = (ended.stderr.strip().splitlines() or ["killed"])[-1]
+                    cells.append((ended.stderr.strip().splitlines() or ["killed"])[-1])
                 else:
                     took = json.loads(ended.stdout.splitlines()[-1])
-                    cell = f"{took['wall']:.1f} / {took['cpu']:.1f} / {took['memory'] / 1e9:.2f}"
-                print(f" {cell} |", end="", flush=True)
-            print(flush=True)
+                    cells.append(f"{took['wall']:.1f} / {took['cpu']:.1f} / {took['memory'] / 1e9:.2f}")
+            table.row(job, *cells)
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

@@ -1,6 +1,6 @@
 """Spectrum from landmarks beside that of all vertices: subspace sine, eigenvalues, CPU seconds.
 
-    python benchmarks/spectrum_landmarks.py [level]
+    python benchmarks/spectrum_landmarks.py [level] [--json FILE]
 
 A lopsided sphere of 10 * 4^level + 2 vertices (10242 for the default level 5) and, where QGEO_DATA names the evaluation
 data, three remeshed TOSCA shapes; the metric of the surface and the lifted one.
@@ -16,6 +16,7 @@ from pathlib import Path
 
 import igl
 import numpy as np
+from record import Record, recorded
 
 from qgeo_filters import Surface
 from qgeo_filters.geodesics.matrix import distance_matrix
@@ -37,10 +38,10 @@ def surfaces(level: int) -> Iterator[tuple[str, Surface]]:
             yield name, Surface(*igl.read_triangle_mesh(str(path))[:2])
 
 
-def main(level: int = 5, k: int = 20) -> None:
+def main(record: Record, level: int = 5, k: int = 20) -> None:
     """Print the table."""
-    print("| surface | vertices | weight | landmarks | sine, 20 | sine, 10 | eigenvalues | CPU s | all, CPU s |")
-    print("|---|---|---|---|---|---|---|---|---|")
+    sines_of = ("sine, 20", "sine, 10", "eigenvalues", "CPU s", "all, CPU s")
+    table = record.table("", "surface", "vertices", "weight", "landmarks", *sines_of, align="l" + 8 * "r")
     for name, surface in surfaces(level):
         areas = surface.vertex_areas
         for weight in (0.0, 0.03):
@@ -58,12 +59,10 @@ def main(level: int = 5, k: int = 20) -> None:
                     subspace_sine(part.eigenfunctions[:, :j], full.eigenfunctions[:, :j], areas) for j in (k, k // 2)
                 ]
                 error = np.abs(part.eigenvalues / full.eigenvalues - 1).max()
-                print(
-                    f"| {name} | {surface.n_vertices} | {weight} | {count} | {sines[0]:.4f} | {sines[1]:.4f} "
-                    f"| {error:.1e} | {seconds:.1f} | {full_time:.1f} |",
-                    flush=True,
-                )
+                cells = (f"{sines[0]:.4f}", f"{sines[1]:.4f}", f"{error:.1e}", f"{seconds:.1f}", f"{full_time:.1f}")
+                table.row(name, surface.n_vertices, weight, count, *cells)
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    with recorded() as record:
+        main(record, *map(int, record.arguments))

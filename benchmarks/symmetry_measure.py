@@ -1,6 +1,6 @@
 """Eq. (3) on shapes whose mirror map is known, and the paper's Table 1 beside sqrt(8 / n).
 
-    QGEO_DATA=... python benchmarks/symmetry_measure.py
+    QGEO_DATA=... python benchmarks/symmetry_measure.py [--json FILE]
 
 First table: root mean square of s(p) - s(Tp) over mirror images, divided by that over all pairs, for the three
 readings of the sum. Second: epsilon over all pairs with five and with twenty eigenvectors of the plain matrix, over
@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from record import Record, recorded
 
 from qgeo_filters import Surface, distance_spectrum
 from qgeo_filters.evaluation import ToscaRemeshed
@@ -49,28 +50,26 @@ def table_1(tosca: Path, name: str, weight: float = 0.0) -> dict[str, Any]:
     return {"n": published, "used": surface.n_vertices, "five": float(five), "twenty": float(twenty)}
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print the tables."""
     tosca = Path(os.environ["QGEO_DATA"]) / "tosca"
     data = ToscaRemeshed(tosca)
-    print("| shape | weight | " + " | ".join(READINGS) + " |\n|---|---|---|---|---|")
+    table = record.table("eq. (3)", "shape", "weight", *READINGS, align="lrrrr")
     for name in ("cat0", "horse0", "wolf0", "dog0", "centaur0"):
         surface, image = data.read(name), data.symmetry(name).images
         for weight in (0.0, 0.03):
             ratios = mirror_ratios(
                 distance_spectrum(surface, metric=lifted_metric(surface, curvature_weight=weight)), image
             )
-            print(f"| {name} | {weight} | " + " | ".join(f"{ratio:.3f}" for ratio in ratios) + " |", flush=True)
-    print("\n| shape | n | used | paper | sqrt(8 / n) | five eigenvectors | twenty |\n|---|---|---|---|---|---|---|")
+            table.row(name, weight, *(f"{ratio:.3f}" for ratio in ratios))
+    columns = ("shape", "n", "used", "paper", "sqrt(8 / n)", "five eigenvectors", "twenty")
+    table = record.table("Table 1", *columns, align="lrrrrrr")
     for name, printed in TABLE_1.items():
         row = table_1(tosca, name)
         bound = np.sqrt(8 / row["n"])
-        print(
-            f"| {name} | {row['n']} | {row['used']} | {printed:.4f} | {bound:.4f} | {row['five']:.4f} | "
-            f"{row['twenty']:.4f} |",
-            flush=True,
-        )
+        table.row(name, row["n"], row["used"], *(f"{x:.4f}" for x in (printed, bound, row["five"], row["twenty"])))
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)

@@ -1,6 +1,6 @@
 """Do C_XY and D(S), eq. (4) and (5) of the paper, tell how well poses go over? Error of the transfer, on TOSCA.
 
-    python benchmarks/transfer_and_spectra.py ROOT [--pairs 10] [--categories cat horse michael] [--picture FILE]
+    python benchmarks/transfer_and_spectra.py ROOT [--pairs 10] [--categories cat horse] [--picture FILE] [--json FILE]
 
 ROOT as for ``matching.py``. For pairs of poses of one body, each in a triangulation of its own: the map is found by
 `match`, Y is brought into the pose of X (`transfer_pose`, one body), and its vertices are compared with where they
@@ -16,7 +16,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from record import machine
+from record import Record, machine, recorded
 from scipy.stats import rankdata, spearmanr
 
 import qgeo_filters as qg
@@ -53,14 +53,14 @@ def measured(
     return found.c_xy, d_s, found.score, float(error)
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Print a row for each pair, and the correlations; draw them."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("root")
     parser.add_argument("--pairs", type=int, default=10)
     parser.add_argument("--categories", nargs="+", default=["cat", "horse", "michael"])
     parser.add_argument("--picture", type=Path)
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(record.arguments)
     data = ToscaRemeshed(arguments.root)
     print(f"{machine()}\n")
     rows: dict[str, np.ndarray] = {}
@@ -74,12 +74,12 @@ def main() -> None:
             values = zip(("C_XY", "D(S)", "distortion", "error"), found[-1], strict=True)
             print(f"<!-- {x} - {y}: {', '.join(f'{name} {value:.4f}' for name, value in values)} -->", flush=True)
         rows[category] = np.array(found)
-    print("| pairs of | pairs | C_XY | D(S) | error, mean | rank correlation with C_XY | with D(S) | with distortion |")
-    print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
+    correlations = ("rank correlation with C_XY", "with D(S)", "with the distortion")
+    table = record.table("", "pairs of", "pairs", "C_XY", "D(S)", "error, mean", *correlations, align="lrrrrrrr")
     for category, values in rows.items():
-        print(_line(category, values, values))
+        table.row(*_cells(category, values, values))
     ranks = np.concatenate([np.apply_along_axis(rankdata, 0, values) / len(values) for values in rows.values()])
-    print(_line("all, ranks within each", np.concatenate(list(rows.values())), ranks))
+    table.row(*_cells("all, ranks within each", np.concatenate(list(rows.values())), ranks))
     if arguments.picture:
         figure = new_figure(4.6, 3.4)
         axes = figure.add_subplot()
@@ -90,17 +90,16 @@ def main() -> None:
         figure.savefig(arguments.picture, dpi=110)
 
 
-def _line(label: str, values: np.ndarray, ranked: np.ndarray) -> str:
+def _cells(label: str, values: np.ndarray, ranked: np.ndarray) -> list[object]:
     """A row: means of the values, correlations of what is ranked."""
     correlations = []
     for column in (0, 1, 2):
         result = spearmanr(ranked[:, column], ranked[:, -1])
         correlations.append(f"{result.statistic:+.2f} (p = {result.pvalue:.2g})")
     spans = [f"{values[:, k].min():.3f} to {values[:, k].max():.3f}" for k in (0, 1)]
-    return (
-        f"| {label} | {len(values)} | {' | '.join(spans)} | {values[:, -1].mean():.4f} | {' | '.join(correlations)} |"
-    )
+    return [label, len(values), *spans, f"{values[:, -1].mean():.4f}", *correlations]
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)
