@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from qgeo_filters.cli.in_turn import Batch
 from qgeo_filters.cli.options import Also, Json, Output, Pictures, Quiet, Settings
-from qgeo_filters.errors import ParameterError
+from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.io.landmarks import Frame
 
 if TYPE_CHECKING:
@@ -70,7 +71,8 @@ def landmarks(
 ) -> None:
     """Carry landmarks from one shape to all: landmarks.csv with columns shape, landmark, x, y, z.
 
-    Pairs that are not matched yet are matched first. result.npz: points (m, k, 3), shapes (m,), landmarks (k,).
+    Pairs that are not matched yet are matched first; a shape without a map is named, and the rest goes on; the exit
+    code is then 1. result.npz: points (m, k, 3), shapes (m,), landmarks (k,).
     """
     import numpy as np
 
@@ -86,15 +88,17 @@ def landmarks(
     parameters = {"store": str(collection.store.root), "landmarks": str(marks), "on": on, "maps": maps, "frame": frame}
     settings = Settings(output, quiet, json, pictures=pictures)
     job = Job("collection landmarks", settings, parameters, inputs=[marks], pictures=["landmarks"], texts=[_TABLE])
-    job.subject = f"{len(given.names)} landmarks of {on} on {len(collection)} shapes"
+    batch = Batch()
     with job.stage("match"):
         _match_from(collection, on, maps, workers)
+        collection = _mapped(collection, on, maps, batch)
+    job.subject = f"{len(given.names)} landmarks of {on} on {len(collection)} shapes"
     with job.stage("carry"):
         found = collection.landmarks(given, on, how=maps)
     points = np.stack([one.points for one in found.values()])
     lost = int(np.isnan(points).any(axis=2).sum())
     results: dict[str, Any] = {"shapes": len(found), "landmarks": len(given.names), "without_image": lost}
-    results["not_sure"] = _unsure(collection, on)
+    results |= {"not_sure": _unsure(collection, on), **batch.for_results()}
     job.save(results, {"points": points, "shapes": np.array(list(found)), "landmarks": np.array(given.names)})
     with job.file(_TABLE) as temporary:
         write_landmark_table(temporary, found)
@@ -102,6 +106,7 @@ def landmarks(
     caption = f"Landmarks of {on}, each in one colour on all shapes{_first(len(found))}."
     job.picture("landmarks", caption, lambda: plot_landmarks(shown, found))
     job.finish()
+    batch.finish(len(collection) + len(batch.bad), "shapes were left out")
 
 
 def common(
@@ -124,7 +129,8 @@ def common(
 ) -> None:
     """Give all shapes the triangles of one: NAME.ply each, mean.ply, and the modes in which they vary.
 
-    Shapes are where they were; mean and modes are of the shapes laid on each other (Procrustes). result.npz: positions
+    A shape without a map, or with one that is not sure, is named and left out; the exit code is then 1. Shapes are
+    where they were; mean and modes are of the shapes laid on each other (Procrustes). result.npz: positions
     (m, n, 3), modes (k, n, 3), variance (k,), explained (k,), scores (m, k), shapes (m,).
     """
     import numpy as np
@@ -156,14 +162,19 @@ def common(
     job = Job(
         "collection common", settings, parameters, pictures=["shapes", "modes"], meshes_made=[*names, "mean", *extremes]
     )
-    job.subject = f"{len(names)} shapes with the triangles of {template}"
+    batch = Batch()
     with job.stage("match"):
         _match_from(collection, template, maps, workers)
+        collection = _mapped(collection, template, maps, batch, sure=maps == "matched" and not accept_unsure)
+    names = collection.names
+    extremes = {name: place for name, place in extremes.items() if place[0] < len(names) - 1}
+    job.subject = f"{len(names)} shapes with the triangles of {template}"
     with job.stage("remesh"):
         found = collection.common(template, how=maps, accept_unsure=accept_unsure)
     with job.stage("model"):
         model = shape_model(found.aligned(scale=scale))
     results = {"shapes": len(found), "vertices": found.template.n_vertices, "explained": model.explained.tolist()}
+    results |= batch.for_results()
     arrays = {name: getattr(model, name) for name in ("modes", "variance", "explained", "scores")}
     job.save(results, {"positions": found.positions, **arrays, "shapes": np.array(names)})
     model_meshes = {"mean": model.mean} | {name: model.mode(*place) for name, place in extremes.items()}
@@ -182,6 +193,7 @@ def common(
     caption = f"The mean, and it with each mode {_SIGMA:g} standard deviations less and more."
     job.picture("modes", caption, lambda: plot(model_meshes, best_view(model.mean.vertices, model.mean.faces)))
     job.finish()
+    batch.finish(len(collection) + len(batch.bad), "shapes were left out")
 
 
 def _first(count: int) -> str:
@@ -201,6 +213,41 @@ def _match_from(collection: Collection, name: str, maps: str, workers: int | Non
     collection.surface(name)  # raises where there is none
     some = [(x, y) for x, y in itertools.combinations(collection.names, 2) if maps != "matched" or name in (x, y)]
     collection.match(some, workers=workers)
+
+
+def _mapped(collection: Collection, name: str, maps: str, batch: Batch, *, sure: bool = False) -> Collection:
+    """The shapes that can be reached from this one, by a match that is sure where it must be; the others are named.
+
+    Raises
+    ------
+    MeshError
+        None can: why the first of them cannot.
+    """
+    table = collection.table()
+    why = {problem.subject: problem.reason for problem in collection.problems if problem.lost}
+    kept, lost = [name], {}
+    for other in collection.names:
+        of = table[(table.x == other) | (table.y == other)]
+        if maps == "matched":
+            of = of[(of.x == name) | (of.y == name)]
+        good = of[of.problem == ""]
+        if other == name:
+            continue
+        if good.empty:
+            said = (why.get(subject) for subject in (name, other, f"{name} - {other}", f"{other} - {name}"))
+            lost[other] = next(filter(None, said), f"no match leads from {name} to it")
+        elif sure and not good.confident.any():
+            lost[other] = f"the match is not sure: {good.explanation.iloc[0]}; --accept-unsure takes it all the same"
+        else:
+            kept.append(other)
+    if lost and len(kept) == 1:
+        first = next(iter(lost))
+        raise MeshError(f"{name} - {first}: {lost[first]}")
+    # Files that could not be read are no shapes of the collection.
+    lost |= {other: reason for other, reason in why.items() if other not in lost and " - " not in other}
+    for other, reason in lost.items():
+        batch.leave_out(other, reason)
+    return collection.only([one for one in collection.names if one in kept]) if lost else collection
 
 
 def _unsure(collection: Collection, name: str) -> list[str]:

@@ -49,16 +49,17 @@ def compatibility(
     """Measure how far poses are from sharing one eigenspectrum: D(S), and C_XY of every two.
 
     Vertex i is the same point of all poses if they have the same faces; if not, the maps are found as by qgeo match.
-    A pose that cannot be read, and is no baseline, is named and left out.
+    A pose that cannot be read or matched, and is no baseline, is named and left out.
 
     result.npz: d_s, c_xy (p, p), eigenvalues (p, k), index (p, k), signs (p, k), maps (p, n).
     """
     import numpy as np
 
+    from qgeo_filters.cli.compatible_poses import compared
     from qgeo_filters.cli.in_turn import Batch
     from qgeo_filters.cli.job import Job
     from qgeo_filters.cli.job_text import as_title
-    from qgeo_filters.matching.compatibility import compatibility as compatibility_of
+    from qgeo_filters.matching.compatibility import compatibility_of_spectra
     from qgeo_filters.report.curves import plot_pairwise
     from qgeo_filters.report.html import Table
     from qgeo_filters.report.maps import plot_poses
@@ -71,12 +72,11 @@ def compatibility(
     called = [f"surfaces[{index}]" for index in range(len(meshes))]
     job = Job("compatibility", settings, parameters, meshes, names=called, pictures=("poses", "c_xy"))
     batch = Batch()
-    # Of two poses, or of baselines that are none, nothing can be left out.
-    sound = len(meshes) > 2 and all(0 <= pose < len(meshes) for pose in baselines)
-    poses, good = job.read_good(batch, baselines if sound else range(len(meshes)))
-    kept = (good.index(baselines[0]), good.index(baselines[1])) if sound else baselines
+    good = compared(job, batch, baselines, k, curvature_weight, workers)
+    poses, places = [pose.surface for pose in good], [pose.place for pose in good]
+    kept = places.index(baselines[0]), places.index(baselines[1])
     with job.stage("compatibility"):
-        found = compatibility_of(poses, kept, k=k, curvature_weight=curvature_weight)
+        found = compatibility_of_spectra([pose.spectrum for pose in good], [pose.image for pose in good], kept, k=k)
     first = found.baselines[0]
     arrays = {
         "d_s": np.float64(found.d_s),

@@ -22,6 +22,8 @@ _OPTIONS = {
     "repair=True": "--repair",
     "repair='force'": "--force-repair",
     "normalize=True": "--normalize",
+    "scans=True": "--scans",
+    "accept_unsure=True": "--accept-unsure",
     "say which by specimen=": "say which by --specimen",
     "give the landmarks in the other of the frames RAS and LPS": "say the frame of the meshes by --frame RAS or LPS",
 }
@@ -90,7 +92,7 @@ class OneLineWarnings(TyperCommand):
 
         def show(message: Warning | str, *where: Any, **more: Any) -> None:
             if not ctx.params.get("quiet"):
-                typer.echo(f"qgeo: warning: {_in_options(one_line(str(message)))}", err=True)
+                typer.echo(f"qgeo: warning: {in_options(one_line(str(message)))}", err=True)
 
         with warnings.catch_warnings():
             warnings.showwarning = show
@@ -120,11 +122,11 @@ def _sentence(error: BaseException) -> str:
             return error.strerror
         advice = _ADVICE.get(error.errno or 0)
         return f"{error.filename}: {error.strerror}" + (f": {advice}" if advice else "")
-    return _in_options(reason(error))
+    return in_options(reason(error))
 
 
-def _in_options(message: str) -> str:
-    """The message with options in place of the arguments that the library's advice names."""
+def in_options(message: str) -> str:
+    """A message with options in place of the arguments that the library's advice names."""
     for argument, option in _OPTIONS.items():
         message = message.replace(argument, option)
     return message

@@ -11,6 +11,7 @@ from pathlib import Path
 import typer
 
 from qgeo_filters.cli.default_folder import default_folder, free_folder
+from qgeo_filters.cli.errors import in_options
 from qgeo_filters.cli.options import Settings
 from qgeo_filters.errors import QgeoError, reason
 from qgeo_filters.io.folders import mesh_files
@@ -38,8 +39,14 @@ class Batch:
         except (QgeoError, MemoryError, OSError) as error:
             if isinstance(error, OSError) and _is_of_the_disk(error):
                 raise
-            self.bad.append((file, reason(error)))
-            _say(file, error)
+            said = in_options(reason(error))
+            self.bad.append((file, said))
+            typer.echo(f"qgeo: {said if str(file) in said else f'{file}: {said}'}", err=True)
+
+    def leave_out(self, name: str, why: str) -> None:
+        """Name something that is no file, such as a shape of a collection."""
+        self.bad.append((Path(name), why))
+        typer.echo(f"qgeo: {name}: {why}", err=True)
 
     def for_results(self) -> dict[str, list[dict[str, str]]]:
         """What result.json says of the bad ones: nothing where all were good."""
@@ -94,8 +101,3 @@ def in_turn(
 
 def _is_of_the_disk(error: OSError) -> bool:
     return error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
-
-
-def _say(mesh: Path, error: BaseException) -> None:
-    said = reason(error)
-    typer.echo(f"qgeo: {said if str(mesh) in said else f'{mesh}: {said}'}", err=True)

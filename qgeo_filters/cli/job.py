@@ -203,6 +203,7 @@ class Job(JobMeshes):
                 tables=[
                     Table.explained("Results", self._short_results(), self.command),
                     *tables,
+                    *self._left_out(),
                     *self._mesh_tables(),
                     Table.of("Parameters", self.parameters),
                     Table.of("Wall-clock seconds", self.seconds),
@@ -225,7 +226,7 @@ class Job(JobMeshes):
         width = None if sys.stdout.isatty() else _PIPE_WIDTH
         console = Console(quiet=self.settings.quiet, width=width, **_PLAIN)
         title = f"{self.command}  {self._subject()}"
-        for table in (Table.of(title, self._short_results()), *tables):
+        for table in (Table.of(title, self._short_results()), *tables, *self._left_out()):
             shown = TerminalTable(title=table.title, title_justify="left", show_header=bool(table.columns))
             for column in table.columns or ("", ""):
                 shown.add_column(column)
@@ -252,6 +253,11 @@ class Job(JobMeshes):
         names = list(dict.fromkeys(name for mesh in of_all for name in mesh))
         rows = [(name, *(mesh.get(name) for mesh in of_all), Meaning(meaning(name))) for name in names]
         return [Table("Meshes", rows, ("", *(Path(mesh["path"]).name for mesh in self.meshes), ""))] if rows else []
+
+    def _left_out(self) -> list[Table]:
+        """The files that could not be used, and why, where there are some."""
+        rows = [(one["path"], one["why"]) for one in self.results.get("left_out", ())]
+        return [Table("Left out", rows, ("file", "why"), meaning("left_out"))] if rows else []
 
     def _short_results(self) -> dict[str, Any]:
         """Results but for long lists and records, which have a table of their own."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
@@ -106,10 +106,34 @@ class JobMeshes(ABC):
             with nullcontext() if index in needed else batch.trying(path):
                 self._read(index, "largest")
                 good.append(index)
+        self._only(good)
+        return self._surfaces, good
+
+    def keep_good(self, batch: Batch, needed: Collection[int], task: Callable[[int], None]) -> list[int]:
+        """Indices of the meshes that were read and that a task does not refuse, which from then on are the job's.
+
+        Parameters
+        ----------
+        batch, needed
+            As in `read_good`.
+        task : callable
+            Takes the index of a mesh.
+        """
+        good = []
+        for index, path in enumerate(self.paths):
+            with self.about(index) if index in needed else batch.trying(path):
+                task(index)
+                good.append(index)
+        self._only(good)
+        self.meshes = [self.meshes[index] for index in good]
+        self.repairs = [self.repairs[index] for index in good]
+        self._surfaces = [self._surfaces[index] for index in good]
+        return good
+
+    def _only(self, good: Sequence[int]) -> None:
         self.paths = tuple(self.paths[index] for index in good)
         self._names = self._names[: len(good)]  # what functions call them, who see no others
         self._stems = [self._stems[index] for index in good]
-        return self._surfaces, good
 
     def _read(self, index: int, pieces: Pieces) -> None:
         path = self.paths[index]

@@ -17,7 +17,7 @@ from qgeo_filters.collection.members import Groups, Problem, Shapes, groups_of, 
 from qgeo_filters.collection.runs import Runs
 from qgeo_filters.collection.settings import Settings, surface_key
 from qgeo_filters.collection.store import Entry, Store
-from qgeo_filters.errors import MeshError, QgeoError, reason
+from qgeo_filters.errors import MeshError, ParameterError, QgeoError, reason
 from qgeo_filters.hosts.dispatch import as_given
 from qgeo_filters.matching.parameters import MatchingParameters
 
@@ -74,6 +74,9 @@ class Collection(Runs, Consistent, Matrices):
     1
     """
 
+    # A temporary folder goes with the collection that made it, which must outlive a part of it.
+    _whole: Collection | None = None
+
     def __init__(
         self,
         shapes: Shapes,
@@ -127,6 +130,27 @@ class Collection(Runs, Consistent, Matrices):
         super(Collection, self).__init__(known, settings, entries)
         self._found = _found(entries, unread)
         return self
+
+    def only(self, names: Sequence[str]) -> Collection:
+        """The collection of some of the shapes, in the same store: what is found for one is found for the other.
+
+        Parameters
+        ----------
+        names : sequence of str
+
+        Raises
+        ------
+        ParameterError
+            No shape called so, or a name twice.
+        """
+        if twice := [name for place, name in enumerate(names) if name in names[:place]]:
+            raise ParameterError(f"{twice[0]!r} is named twice")
+        entries = [self._entry(name) for name in names]
+        some = Collection.__new__(Collection)
+        super(Collection, some).__init__(self.store, self.settings, entries)
+        some._found = _found(entries, {})
+        some._whole = self
+        return some
 
     def _temporary(self) -> Path:
         folder = Path(tempfile.mkdtemp(prefix="qgeo-collection-"))

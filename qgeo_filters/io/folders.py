@@ -23,7 +23,10 @@ def mesh_files(path: Path) -> list[Path]:
         if not (path.exists() or path.with_name(f"{path.name}.vert").exists()):
             raise FileNotFoundError(f"no such file: {path}")
         return [path]
-    found = [file for file in path.iterdir() if file.suffix.lower() in SUFFIXES and file.is_file()]
+    # A link that leads nowhere is a file that cannot be read, which is said.
+    found = [
+        file for file in path.iterdir() if file.suffix.lower() in SUFFIXES and (file.is_file() or not file.exists())
+    ]
     if not found:
         raise MeshError(f"{path}: a folder without mesh files")
     return sorted(found, key=_natural)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from shapes import grid
 from small_collection import QUICK, written
 from typer.testing import Result
 
@@ -119,6 +120,44 @@ def test_landmarks_and_one_connectivity_from_a_folder(qgeo: Qgeo, loaded: Loaded
     np.testing.assert_allclose((low + high) / 2, mean, atol=1e-5)
     result = qgeo("collection", "landmarks", "shapes.zarr", "marks.csv", "--on", "p9")
     assert (result.exit_code, result.stderr) == (2, "qgeo: no shape is called 'p9'; there are p0, p1, p2\n")
+
+
+@pytest.mark.parametrize("maps", ["matched", "tree"])
+def test_shapes_without_a_map_are_named_and_the_rest_goes_on(
+    qgeo: Qgeo, loaded: Loaded, quick: None, maps: str
+) -> None:
+    """One that cannot be read and one that cannot be matched; what is found of the others is what is found without."""
+    written(Path("good"), 3)
+    own = qg.Surface.read("good/p1.ply")
+    qg.write_landmarks("marks.csv", qg.Landmarks(("head",), own.vertices[[3]]))
+    commands = {"landmarks": ["marks.csv", "--on", "p1"], "common": ["--template", "p1", "--accept-unsure"]}
+
+    def run(folder: str, store: str) -> dict[str, tuple[Result, Path]]:
+        found = {}
+        for command, options in commands.items():
+            out = Path(f"{folder}-{command}")
+            place = ["--store", store, "--workers", 1, "--no-pictures", "-o", out, "--maps", maps]
+            found[command] = qgeo("collection", command, folder, *options, *place), out
+        return found
+
+    expected = run("good", "good.zarr")
+    assert [one.exit_code for one, _ in expected.values()] == [0, 0]
+    written(Path("some"), 3)
+    Path("some/gone.off").write_text("no mesh")
+    qg.Surface(*grid(2)).write("some/few.off")
+    for command, (result, out) in run("some", "some.zarr").items():
+        assert result.exit_code == 1
+        few, gone, count = (line for line in result.stderr.splitlines() if "warning" not in line)
+        assert few == "qgeo: few: matching needs at least 60 vertices, got 9"
+        assert gone.startswith("qgeo: gone: some/gone.off: ")
+        assert count == "qgeo: 2 of 5 shapes were left out"
+        content, arrays = loaded(out)
+        assert [one["path"] for one in content["results"]["left_out"]] == ["few", "gone"]
+        for name, values in loaded(expected[command][1])[1].items():
+            np.testing.assert_array_equal(arrays[name], values)
+    result = qgeo("collection", "common", "some.zarr", "--template", "few", "--workers", 1)
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert result.stderr.startswith("qgeo: few - p0: matching needs at least 60 vertices")
 
 
 def test_run_is_build_and_match(qgeo: Qgeo, quick: None) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from shapes import grid, moebius
 from typer.testing import Result
 
 import qgeo_filters as qg
@@ -57,13 +59,60 @@ def test_a_pose_that_cannot_be_read_is_named_and_the_rest_goes_on(qgeo: Qgeo, lo
         np.testing.assert_array_equal(arrays[name], expected)
 
 
-def test_a_file_behind_one_that_was_left_out_is_named_by_its_own_name(qgeo: Qgeo, poses: list[str]) -> None:
-    """The square is the third pose that there is, too small to be matched."""
-    result = qgeo("compatibility", *poses[:2], "broken.off", "square.obj", poses[2])
+def test_a_pose_that_cannot_be_matched_is_named_and_the_rest_goes_on(
+    qgeo: Qgeo, loaded: Loaded, poses: list[str]
+) -> None:
+    """One too small to be matched, one of too few vertices for k, and a one-sided one, among poses of one mesh."""
+    assert qgeo("compatibility", *poses, "-k", 8, "--no-pictures", "-o", "all").exit_code == 0
+    qg.Surface(*grid(1)).write("few.off")
+    qg.Surface(*moebius()).write("band.off")
+    names = [*poses[:2], "square.obj", "few.off", "band.off", poses[2]]
+    result = qgeo("compatibility", *names, "-k", 8, "-o", "out")
+    assert result.exit_code == 1
+    few, band, square, count = result.stderr.splitlines()
+    assert few.startswith("qgeo: few.off: k must be between 1 and the number of vertices, 4")
+    assert square.startswith("qgeo: square.obj: matching needs at least 60 vertices")
+    assert band.startswith("qgeo: band.off: the sign of the mean curvature needs neighbouring faces that agree")
+    assert "--repair" in band  # not repair=True, which is of the function
+    assert count == "qgeo: 3 of 6 poses were left out"
+    assert re.search("Left out.*few.off.*band.off.*square.obj", result.stdout, re.DOTALL)
+    content, arrays = loaded(Path("out"))
+    assert [one["path"] for one in content["results"]["left_out"]] == ["few.off", "band.off", "square.obj"]
+    assert [mesh["path"] for mesh in content["meshes"]] == poses
+    assert content["results"]["maps"] == "equal vertex numbers"
+    assert "band.off" in Path("out/report.html").read_text(encoding="utf-8").partition("Left out")[2]
+    for name, expected in loaded(Path("all"))[1].items():
+        np.testing.assert_array_equal(arrays[name], expected)
+
+
+def test_a_baseline_that_cannot_be_matched_is_refused_by_its_own_name(qgeo: Qgeo, poses: list[str]) -> None:
+    """The square is the third pose that there is."""
+    result = qgeo("compatibility", *poses[:2], "broken.off", "square.obj", poses[2], "--baselines", 0, 3)
     assert result.exit_code == 2
     first, last = result.stderr.splitlines()
     assert "broken.off" in first
     assert last.startswith("qgeo: surfaces[2] (square.obj): matching needs")
+    assert not Path("qgeo-out").exists()
+
+
+def test_maps_between_different_meshes_are_found_as_by_the_function(
+    qgeo: Qgeo, loaded: Loaded, poses: list[str]
+) -> None:
+    """Beside one that cannot be matched."""
+    blob = qg.Surface.read("blob.off")
+    order = np.random.default_rng(0).permutation(blob.n_vertices)
+    qg.Surface(blob.vertices[order], np.argsort(order)[blob.faces]).write("shuffled.off")
+    names = [poses[0], poses[2], "shuffled.off"]
+    assert (
+        qgeo("compatibility", *names[:2], "square.obj", names[2], "-k", 6, "--no-pictures", "-o", "out").exit_code == 1
+    )
+    content, arrays = loaded(Path("out"))
+    expected = compatibility(names, k=6)
+    assert content["results"]["maps"] == "found by match"
+    np.testing.assert_array_equal(arrays["maps"], expected.maps)
+    np.testing.assert_allclose(arrays["c_xy"], expected.c_xy, atol=1e-6)
+    # Most vertices go to where they truly are in the new order.
+    assert (order[arrays["maps"][2]] == np.arange(blob.n_vertices)).mean() > 0.9
 
 
 def test_a_baseline_that_cannot_be_read_is_refused(qgeo: Qgeo, poses: list[str]) -> None:

@@ -105,14 +105,16 @@ def test_bad_meshes_among_several_are_named_and_the_rest_goes_on(qgeo: Qgeo) -> 
     Path("few").mkdir()
     for name in ("sphere.ply", "broken.off"):
         Path(name).rename(f"few/{name}")
+    Path("few/gone.off").symlink_to("elsewhere.off")
     for command in (["run", "pipe.yaml"], ["info"], ["distances"], ["spectrum", "-k", 3], ["symmetry", "--no-map"]):
         result = qgeo(*command, "few", "nowhere.off", "blob.off", "--no-pictures", "-q", "-o", "out")
         assert result.exit_code == 1
         said = result.stderr.splitlines()
-        assert len(said) == 3
+        assert len(said) == 4
+        assert said.pop(2) == "qgeo: no such file: few/gone.off"
         assert said[0] == "qgeo: no such file: nowhere.off"
         assert said[1].startswith("qgeo: few/broken.off: ")
-        assert said[2] == "qgeo: 2 of 4 meshes have no results"
+        assert said[2] == "qgeo: 3 of 5 meshes have no results"
         assert {path.name for path in Path("out").iterdir()} == {"sphere", "blob"}
         for name in ("sphere", "blob"):
             assert json.loads(Path("out", name, "result.json").read_text())["command"] == command[0]

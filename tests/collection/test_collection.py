@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 from collections.abc import Callable
 from dataclasses import replace
@@ -233,6 +234,25 @@ def test_bad_files_and_shapes_are_named_and_the_rest_goes_on(tmp_path: Path) -> 
     assert np.isnan(collection.distances("shape_dna").loc["small", "p0"])
     with pytest.raises(ParameterError, match=r"p0 - small: .*at least 60 vertices"):
         collection.map("p0", "small")
+
+
+def test_some_of_the_shapes_share_what_is_found(matched: qg.Collection, counted: dict[str, int]) -> None:
+    some = matched.only(["p2", "p0"])
+    assert some.names == ("p2", "p0")
+    assert some.groups == {name: matched.groups[name] for name in some.names}
+    np.testing.assert_array_equal(some.match(workers=1).map("p0", "p2").p2p, matched.map("p0", "p2").p2p)
+    assert len(some.table()) == counted["matched"] + 1
+    assert counted["prepared"] == 0
+    with pytest.raises(ParameterError, match="no shape is called 'p9'"):
+        matched.only(["p9"])
+    with pytest.raises(ParameterError, match="'p0' is named twice"):
+        matched.only(["p0", "p0"])
+
+
+def test_part_of_a_collection_keeps_its_temporary_store() -> None:
+    some = qg.Collection(poses(2), parameters=QUICK).only(["p1"])
+    gc.collect()
+    assert some.surface("p1").n_vertices == 162
 
 
 def test_pairs_that_cannot_be_matched_are_rows(tmp_path: Path, counted: dict[str, int]) -> None:
