@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import io
 import os
 import re
+import sys
 import threading
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -120,9 +122,17 @@ def _no_c_output() -> Iterator[None]:
     """Context in which the process's standard output goes nowhere: one line is printed from C++."""
     saved, null = os.dup(1), os.open(os.devnull, os.O_WRONLY)
     try:
+        _flush_c_output()
         os.dup2(null, 1)
         yield
     finally:
+        _flush_c_output()
         os.dup2(saved, 1)
         os.close(saved)
         os.close(null)
+
+
+def _flush_c_output() -> None:
+    """Write what C has printed and not written yet: into a file or a pipe it writes at the end only."""
+    with contextlib.suppress(OSError):  # no such library: the line comes late, as it did
+        ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None).fflush(None)

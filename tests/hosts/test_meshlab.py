@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -239,3 +242,22 @@ def test_what_is_no_mesh_is_named():
     points.add_mesh(pymeshlab.Mesh(np.eye(3)))
     with pytest.raises(MeshError, match="the mesh has no faces"):
         as_surface(points)
+
+
+def test_reading_attributes_prints_nothing_into_a_pipe() -> None:
+    """PyMeshLab tells names in a line of C's, which waits in a buffer where the output is a pipe or a file."""
+    code = (
+        "import ctypes, sys, numpy as np, pymeshlab, qgeo_filters as qg\n"
+        "c = ctypes.CDLL('ucrtbase' if sys.platform == 'win32' else None)\n"
+        "surface = qg.testing.sample_surface()\n"
+        "meshes = pymeshlab.MeshSet()\n"
+        "meshes.add_mesh(pymeshlab.Mesh(surface.vertices, surface.faces))\n"
+        "meshes.current_mesh().add_vertex_custom_scalar_attribute(np.arange(surface.n_vertices), 'height')\n"
+        "c.puts(b'before')\n"
+        "print(sorted(qg.as_surface(meshes).attributes))\n"
+        "c.puts(b'after')\n"
+    )
+    buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=buffered)
+    assert sorted(done.stdout.splitlines()) == ["['height']", "after", "before"]
