@@ -1,6 +1,7 @@
 """Which metric should propose maps: C_XY and the search's proposals over the weight and the scalar.
 
     python benchmarks/paper_metric.py ROOT --out metrics.jsonl [--pairs 15] [--categories cat dog] [--weights .01 .03]
+        [--json FILE]
 
 ROOT holds TOSCA's ``remeshed``, ``ground_truth`` and ``symmetry``. For each pair of poses and each metric alone: C_XY
 of 20 eigenfunctions paired by eq. (4) through the true map (`commutative_eigenspectra`), and the distinct coarse maps
@@ -21,6 +22,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from record import Record, recorded
 
 from qgeo_filters.evaluation import ToscaRemeshed
 from qgeo_filters.geodesics.matrix import distance_matrix
@@ -63,7 +65,7 @@ def prepared(surface: Surface, metric: Metric) -> tuple[Any, Any]:
     return shape, spectrum
 
 
-def main() -> None:
+def main(record: Record) -> None:
     """Measure what is not in the file yet, then print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("root", type=Path)
@@ -72,7 +74,7 @@ def main() -> None:
     parser.add_argument("--categories", nargs="*", default=list(TUNING))
     parser.add_argument("--scalars", nargs="*", default=list(SCALARS))
     parser.add_argument("--weights", nargs="*", type=float, default=list(WEIGHTS))
-    options = parser.parse_args()
+    options = parser.parse_args(record.arguments)
     data = ToscaRemeshed(options.root)
     wanted = metrics(options.scalars, options.weights)
     found = [json.loads(line) for line in options.out.read_text().splitlines()] if options.out.exists() else []
@@ -85,7 +87,7 @@ def main() -> None:
                 file.write(json.dumps(row) + "\n")
                 file.flush()
                 found.append(row)
-    print(table(found, options.categories, wanted))
+    record.markdown("", table(found, options.categories, wanted))
 
 
 def _measured(
@@ -155,4 +157,5 @@ def _best(row: Row) -> float:
 
 
 if __name__ == "__main__":
-    main()
+    with recorded() as record:
+        main(record)
