@@ -10,15 +10,13 @@ import numpy as np
 from qgeo_filters._typing import IndexArray
 from qgeo_filters.cli.in_turn import Batch
 from qgeo_filters.cli.job import Job
-from qgeo_filters.errors import ParameterError
 from qgeo_filters.filters import stages
+from qgeo_filters.matching.compatibility import SPARE_EIGENPAIRS, are_one_mesh, check_baselines
 from qgeo_filters.matching.prepared_shape import check_matchable
 from qgeo_filters.parallel import default_workers
 from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
 
-# Eigenpairs beyond those that are compared, as in `compatibility`.
-_SPARE = 5
 _ACCURACY = 1e-3  # of distances, as everywhere
 
 
@@ -58,7 +56,7 @@ class GoodPoses:
             stages.check_spectrum(surface, k)
             metric = stages.metric_of(surface, "mean_curvature", curvature_weight)
             found[self.places[pose]] = stages.spectrum_of(
-                metric, min(k + _SPARE, surface.n_vertices), "area", "auto", "graph", _ACCURACY
+                metric, min(k + SPARE_EIGENPAIRS, surface.n_vertices), "area", "auto", "graph", _ACCURACY
             )
 
         self._each(spectrum)
@@ -66,12 +64,12 @@ class GoodPoses:
 
     def maps(self, first: int) -> dict[int, IndexArray]:
         """Vertex of each pose for each of the first baseline, by its place: equal numbers, or found by `match`."""
-        if not self._one_mesh(first):
+        if not are_one_mesh(self.surfaces):
             # Looked at before anything is matched: the others may be poses of one mesh.
             self._each(lambda pose: check_matchable(self.surfaces[pose], repaired=self._job.repairs[pose] is not None))
         baseline = self.surfaces[self.places.index(first)]
         same = np.arange(baseline.n_vertices)
-        if self._one_mesh(first):
+        if are_one_mesh(self.surfaces):
             return dict.fromkeys(self.places, same)
         found = {first: same}
 
@@ -82,12 +80,6 @@ class GoodPoses:
 
         self._each(image)
         return found
-
-    def _one_mesh(self, first: int) -> bool:
-        faces = self.surfaces[self.places.index(first)].faces
-        return all(np.array_equal(surface.faces, faces) for surface in self.surfaces) and (
-            len({surface.n_vertices for surface in self.surfaces}) == 1
-        )
 
     def _each(self, task: Callable[[int], None]) -> None:
         needed = [pose for pose, place in enumerate(self.places) if place in self._needed]
@@ -107,11 +99,7 @@ def compared(
     ParameterError
         Fewer than two poses, or baselines that are not two of them.
     """
-    count = len(job.paths)
-    if count < 2:
-        raise ParameterError(f"compatibility is that of two poses or more, got {count}")
-    if baselines[0] == baselines[1] or not all(0 <= pose < count for pose in baselines):
-        raise ParameterError(f"--baselines must be two different poses out of 0 to {count - 1}, got {baselines}")
+    check_baselines(len(job.paths), baselines)
     poses = GoodPoses(job, batch, baselines, workers)
     with job.stage("spectra"):
         spectra = poses.spectra(k, weight)

@@ -23,6 +23,7 @@ _OPTIONS = {
     "repair='force'": "--force-repair",
     "normalize=True": "--normalize",
     "scans=True": "--scans",
+    "baselines must": "--baselines must",
     "accept_unsure=True": "--accept-unsure",
     "say which by specimen=": "say which by --specimen",
     "give the landmarks in the other of the frames RAS and LPS": "say the frame of the meshes by --frame RAS or LPS",

@@ -10,7 +10,7 @@ from qgeo_filters._typing import IndexArray
 from qgeo_filters.collection.records import Record
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.repair import Repair
-from qgeo_filters.matching.compatibility import compatibility_of_spectra
+from qgeo_filters.matching.compatibility import SPARE_EIGENPAIRS, compatibility_of_spectra
 from qgeo_filters.matching.map_files import DOCUMENT, arrays_of, fields_of
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.prepared_shape import PreparedShape
@@ -19,8 +19,8 @@ from qgeo_filters.spectral.canonical import group_multiplets
 from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
 
-# Eigenpairs that are compared, and those beyond, among which a function near the end finds its partner.
-_COMPARED, _SPARE = 20, 5
+# Eigenpairs that are compared.
+_COMPARED = 20
 # What the shapes and the triangles give back.
 _DERIVED = ("x_", "y_", "barycentric_corners", DOCUMENT)
 
@@ -65,7 +65,7 @@ def pair_compatibility(found: MatchResult, x: PreparedShape, y: PreparedShape) -
 def _wide_spectrum(shape: PreparedShape) -> Spectrum:
     """A few more eigenfunctions than are compared, at full resolution."""
     embedding = shape.embedding(-1)
-    count = min(_COMPARED + _SPARE, embedding.eigenfunctions.shape[1])
+    count = min(_COMPARED + SPARE_EIGENPAIRS, embedding.eigenfunctions.shape[1])
     values = embedding.eigenvalues[:count]
     functions = shape.interpolation @ embedding.eigenfunctions[:, :count].astype(np.float64)
     return Spectrum(values, functions, shape.full.vertex_areas / shape.full.area, group_multiplets(values))

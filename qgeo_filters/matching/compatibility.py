@@ -40,7 +40,7 @@ from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices, frozen
 
 # Eigenpairs beyond those that are compared, so that a function near the end finds its partner in other poses.
-_SPARE = 5
+SPARE_EIGENPAIRS = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +157,7 @@ def compatibility(
             given_pose, mended = surface_and_repair(surface, repair)
             poses.append(given_pose if mended is None else mended.surface)
             repairs.append(mended)
-    _check_baselines(len(poses), baselines)
+    check_baselines(len(poses), baselines)
     first = baselines[0]
     with default_workers(workers):
         if maps is None:
@@ -168,7 +168,7 @@ def compatibility(
         for number, pose in enumerate(poses):
             with concerning(f"surfaces[{number}]"):
                 metric = lifted_metric(pose, curvature_weight=curvature_weight)
-                count = min(k + _SPARE, pose.n_vertices) if isinstance(k, (int, np.integer)) else k
+                count = min(k + SPARE_EIGENPAIRS, pose.n_vertices) if isinstance(k, (int, np.integer)) else k
                 spectra.append(distance_spectrum(pose, count, metric, progress=progress))
     found = compatibility_of_spectra(spectra, given, baselines, k=k, normalization=normalization)
     if all(mended is None for mended in repairs):
@@ -210,7 +210,7 @@ def compatibility_of_spectra(
 
     A few eigenpairs more than k in each spectrum let functions near the end find their partners.
     """
-    _check_baselines(len(spectra), baselines)
+    check_baselines(len(spectra), baselines)
     first, second = baselines
     images = _checked_maps(spectra, maps, first)
     weights = spectra[first].areas / spectra[first].areas.sum()
@@ -252,9 +252,8 @@ def _on_first(spectra: Sequence[Spectrum], read: list[FloatArray], first: int, s
 
 def _default_maps(poses: list[Surface], first: int, progress: bool) -> list[IndexArray]:
     """Equal indices for poses of one mesh, otherwise the correspondences from the first baseline."""
-    faces = poses[first].faces
     n = poses[first].n_vertices
-    if all(pose.n_vertices == n and np.array_equal(pose.faces, faces) for pose in poses):
+    if are_one_mesh(poses):
         return [np.arange(n)] * len(poses)
     with concerning(f"surfaces[{first}]"):
         reference = PreparedShape(poses[first], progress=progress)
@@ -269,7 +268,14 @@ def _default_maps(poses: list[Surface], first: int, progress: bool) -> list[Inde
     return maps
 
 
-def _check_baselines(count: int, baselines: tuple[int, int]) -> None:
+def are_one_mesh(poses: Sequence[Surface]) -> bool:
+    """Whether vertex i is the same point of all poses: they have the same faces."""
+    one = poses[0]
+    return all(pose.n_vertices == one.n_vertices and np.array_equal(pose.faces, one.faces) for pose in poses)
+
+
+def check_baselines(count: int, baselines: tuple[int, int]) -> None:
+    """Raise `ParameterError` for fewer than two poses, and for baselines that are not two of them."""
     if count < 2:
         raise ParameterError(f"compatibility is that of two poses or more, got {count}")
     if len(baselines) != 2 or baselines[0] == baselines[1] or not all(0 <= b < count for b in baselines):

@@ -150,6 +150,9 @@ def match(
     tearing and folding onto parts that are alike (`choose_map`), registered to the end (`finished`). The result does
     not depend on the signs and order that a solver returns, nor on position and size.
 
+    Where one shape has handles that the other lacks, it has grown together where it touches itself: unless the map is
+    clear, the other one is placed on it by distances that may only be shorter there (`robust_to_shortcuts`).
+
     Hints propose maps of their own, make maps dearer that disagree with them at each choice, and are felt by the
     registration near them (`KnownParts`). They may say that Y is a mirror image. The map is not confident if it
     contradicts one of them, or if without them another map would clearly have been chosen.

@@ -13,8 +13,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from qgeo_filters.matching.finish import turned_round
 from qgeo_filters.matching.partial.part_choice import PlacedPart
 from qgeo_filters.matching.partial.partial_parameters import PartialParameters
@@ -25,7 +23,6 @@ from qgeo_filters.matching.search import Found
 from qgeo_filters.matching.selection.cost import Contender, measured
 from qgeo_filters.matching.selection.decision import Decision
 from qgeo_filters.matching.smooth_shells import register
-from qgeo_filters.matching.symmetry import reflection_of
 
 
 def robust_to_shortcuts(problem: MatchProblem, found: Found, given: PartialParameters | None = None) -> Found:
@@ -46,21 +43,20 @@ def robust_to_shortcuts(problem: MatchProblem, found: Found, given: PartialParam
     asked = problem.with_mirrored_y() if found.mirrored else problem
     turned = asked.more_handles > 0
     way = asked.swapped() if turned else asked  # from the shape that has not grown together
-    placement = Placement(way, (reflection_of(way.x, asked.parameters), None), chosen)
-    first = found.decision.best
-    usual, *others = placement.placed(
-        [(first.number, placement.at_points(first.dense.inverse if turned else first.dense.p2p)), *placement.proposed()]
-    )
+    placement = Placement(way, chosen)
+    before = found.decision
+    start = before.best.dense.inverse if turned else before.best.dense.p2p
+    placed = placement.compared.placed([(before.best.number, placement.at_points(start)), *placement.proposed()])
+    usual, *others = placed
     # Costs are rough, and the usual search has compared its map with many: another one needs a reason.
     clear = [p for p in others if p.cost * chosen.shortcut_reason < usual.cost]
-    best = min(clear, key=lambda p: p.cost, default=usual)
-    problem.log.choose(best.number)
-    rivals = [p for p in (usual, *others) if placement.apart(p, best)]
-    rival = min(rivals, key=lambda p: p.cost, default=None)
-    margin, runner_up = (rival.cost / best.cost, rival.distortion) if rival else (np.inf, np.inf)
-    if best is usual:
-        return replace(found, decision=replace(found.decision, margin=min(found.decision.margin, margin)))
-    return replace(found, decision=Decision(_contender(way, asked, best), margin, runner_up))
+    choice = placement.compared.decided(min(clear, key=lambda p: p.cost, default=usual), placed)
+    margin, unhinted = choice.margin, choice.unhinted
+    if choice.best is usual:
+        kept = replace(before, margin=min(before.margin, margin), unhinted=min(before.unhinted, unhinted))
+        return replace(found, decision=kept)
+    best = _contender(way, asked, choice.best)
+    return replace(found, decision=Decision(best, margin, choice.runner_up, unhinted))
 
 
 def _is_clear(problem: MatchProblem, decision: Decision) -> bool:

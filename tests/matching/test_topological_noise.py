@@ -110,3 +110,11 @@ def test_the_search_keeps_to_the_hand_that_was_found() -> None:
     better = robust_to_shortcuts(given, wrong)
     assert better.mirrored
     assert error(given, better.decision.best.dense.p2p) < 0.03
+
+
+def test_what_hints_did_to_the_choice_is_known_of_places_too() -> None:
+    end = int((body().vertices @ [0.0, -1.0, 0.3]).argmax())
+    given = MatchProblem.of(body(), grown(), landmarks=[(end, end)])
+    better = robust_to_shortcuts(given, found(given, turned_about(2), 1.2))
+    assert error(given, better.decision.best.dense.p2p) < 0.03
+    assert better.decision.unhinted < better.decision.margin  # its rivals contradict the landmark, which is right

@@ -90,9 +90,9 @@ class PartChoice:
     x, y : PartShape
     log : MatchLog
     known : KnownParts, optional
-    mirrors : pair, optional
-        Vertex nearest to the mirror point of each vertex of X, and the same of Y, (n,) int each; None where that is not
-        known. Maps that reverse the orientation are turned by it.
+    mirror : (n_x,) int, optional
+        Vertex nearest to the mirror point of each vertex of X, where that is known: maps that reverse the orientation
+        are turned by it.
     """
 
     def __init__(
@@ -101,23 +101,27 @@ class PartChoice:
         y: PartShape,
         log: MatchLog,
         known: KnownParts | None = None,
-        mirrors: tuple[IndexArray | None, IndexArray | None] = (None, None),
+        mirror: IndexArray | None = None,
     ) -> None:
-        self.x, self.y, self.log, self.given, self.known, self.mirrors = x, y, log, x.given, known, mirrors
+        self.x, self.y, self.log, self.given, self.known, self.mirror = x, y, log, x.given, known, mirror
         self.descriptors, self.hints = descriptor_costs(x, y), hint_costs(known, x, y)
         self.mapper = CoarseMapper(x, y, self.descriptors, self.hints)
 
     def decide(self) -> PartDecision:
         """The cheapest of the places that keep the orientation."""
         maps = [(number, c.p2p) for number, c in self.competing()]
-        placed = sorted(self.placed(maps), key=lambda p: p.cost)
-        best = placed[0]
+        placed = self.placed(maps)
+        return self.decided(min(placed, key=lambda p: p.cost), placed)
+
+    def decided(self, best: PlacedPart, placed: list[PlacedPart]) -> PartDecision:
+        """That one of the places, and how clear it is beside the others."""
         self.log.choose(best.number)
-        apart = [p for p in placed[1:] if images_apart(self.y, p.map.p2p, best.map.p2p) > self.given.apart]
+        apart = [p for p in placed if images_apart(self.y, p.map.p2p, best.map.p2p) > self.given.apart]
         if not apart:
             return PartDecision(best, np.inf, np.inf)
+        rival = min(apart, key=lambda p: p.cost)
         unhinted = min(p.cost / p.penalty for p in apart) / (best.cost / best.penalty) if self.known else np.inf
-        return PartDecision(best, apart[0].cost / best.cost, apart[0].distortion, unhinted)
+        return PartDecision(best, rival.cost / best.cost, rival.distortion, unhinted)
 
     def competing(self) -> list[tuple[int, CoarseMap]]:
         """Coarse maps that are worth registering, with their numbers in the log."""
@@ -126,8 +130,8 @@ class PartChoice:
         if self.known:  # what would win without the hints is tried, too, so that their disagreement can be told
             starts += list(landmark_maps(self.x, self.y, self.descriptors, np.zeros_like(self.hints)).images)
         grown = concurrently(self.mapper.grown, starts)
-        reversing = [c for c in grown if c.orientation < -given.keeps_orientation]
-        grown += [twin for c in reversing if (twin := self._twin(c))]
+        if self.mirror is not None:
+            grown += [self._twin(c, self.mirror) for c in grown if c.orientation < -given.keeps_orientation]
         grown.sort(
             key=lambda c: c.distortion + given.unlikeness_weight * c.unlikeness + given.hint_weight * c.disagreement
         )
@@ -165,17 +169,11 @@ class PartChoice:
             registration.release()
         return [self._measured(number, part) for (number, _), part in zip(maps, found, strict=True)]
 
-    def _twin(self, c: CoarseMap) -> CoarseMap | None:
-        """The map with a reflection before or after it: it keeps distances as well, and the orientation."""
-        of_x, of_y = self.mirrors
-        if of_x is not None:
-            points = self.x.fps[: self.mapper.count]
-            images = c.p2p[self.x.rows[: len(points), of_x[points]].argmin(axis=0)]
-        elif of_y is not None:
-            images = of_y[c.p2p]
-        else:
-            return None
-        return replace(c, p2p=images, orientation=-c.orientation)
+    def _twin(self, c: CoarseMap, mirror: IndexArray) -> CoarseMap:
+        """The map after X's reflection: it keeps distances as well, and the orientation."""
+        points = self.x.fps[: self.mapper.count]
+        nearest = self.x.rows[: len(points), mirror[points]].argmin(axis=0)
+        return replace(c, p2p=c.p2p[nearest], orientation=-c.orientation)
 
     def _measured(self, number: int, part: PartMap) -> PlacedPart:
         x, y, given, p2p = self.x, self.y, self.given, part.p2p
