@@ -12,6 +12,7 @@ from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.matching.finish import at_full_resolution, finished
 from qgeo_filters.matching.given_vertices import match_on_given
 from qgeo_filters.matching.hints import LabelPair, LandmarkPairs
+from qgeo_filters.matching.limb_matching import with_limbs_matched
 from qgeo_filters.matching.maps.barycentric import barycentric_map
 from qgeo_filters.matching.maps.functional_map import functional_map
 from qgeo_filters.matching.maps.orientation import orientation
@@ -150,6 +151,9 @@ def match(
     tearing and folding onto parts that are alike (`choose_map`), registered to the end (`finished`). The result does
     not depend on the signs and order that a solver returns, nor on position and size.
 
+    Where distances are hardly kept, the ends of limbs are matched in all ways that go with the symmetries of both
+    shapes, unless the map is clear (`with_limbs_matched`).
+
     Where one shape has handles that the other lacks, it has grown together where it touches itself: unless the map is
     clear, the other one is placed on it by distances that may only be shorter there (`robust_to_shortcuts`).
 
@@ -182,7 +186,7 @@ def match(
             check_same_size(problem.x.full, problem.y.full, problem.parameters.same_area)
         _prepare(problem)
         _next(bar, 1, "search")
-        choice = robust_to_shortcuts(problem, chosen_map(problem, mirror))
+        choice = robust_to_shortcuts(problem, with_limbs_matched(problem, chosen_map(problem, mirror)))
         _next(bar, 2, "register")
         dense = finished(problem.with_mirrored_y() if choice.mirrored else problem, choice.decision.best.dense)
         _next(bar, 3, "matched")

@@ -14,13 +14,16 @@ from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.problem import MatchProblem
 
 
-def agd_extrema(shape: PreparedShape, parameters: MatchingParameters) -> IndexArray:
-    """Farthest points that are local maxima of the average distance, by decreasing average, as places in ``fps``."""
+def agd_extrema(shape: PreparedShape, parameters: MatchingParameters, count: int | None = None) -> IndexArray:
+    """Farthest points that are local maxima of the average distance, by decreasing average, as places in ``fps``.
+
+    At most ``count`` of them, those that are matched by default.
+    """
     between = shape.fps_distances[:, shape.fps[: len(shape.fps_distances)]]
     mean = between.mean(axis=1)
     highest = np.where(between < parameters.extrema_radius, mean, 0.0).max(axis=1)
     found = np.flatnonzero(mean >= highest)
-    return found[np.argsort(-mean[found], kind="stable")][: parameters.extrema_count]
+    return found[np.argsort(-mean[found], kind="stable")][: parameters.extrema_count if count is None else count]
 
 
 def extrema_maps(problem: MatchProblem) -> list[Hypothesis]:

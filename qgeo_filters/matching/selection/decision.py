@@ -135,8 +135,11 @@ def _settled(problem: MatchProblem, ranked: list[Contender], apart: float) -> De
     close = close_contenders(problem, ranked)
     ends = settled(problem, close)
     order = sorted(range(len(close)), key=lambda i: ends[i].end_cost)
-    doubtful = _doubtful(problem, [c for c in ranked if c not in close], close[order[0]], ends[order[0]], apart)
-    if doubtful:
+    for _ in range(problem.parameters.doubtful_rounds):  # what is near depends on what is best
+        others = [c for c in ranked if not any(c is t for t in close)]
+        doubtful = _doubtful(problem, others, close[order[0]], ends[order[0]], apart)
+        if not doubtful:
+            break
         close, ends = close + doubtful, ends + settled(problem, doubtful)
         order = sorted(range(len(close)), key=lambda i: ends[i].end_cost)
     best, preview = ends[order[0]], close[order[0]]
@@ -155,6 +158,24 @@ def _settled(problem: MatchProblem, ranked: list[Contender], apart: float) -> De
     )
 
 
+def decided_among(problem: MatchProblem, before: Decision, others: list[Contender]) -> Decision:
+    """The cheapest of a decision's map and of others that were taken to the end, and how clear that is now."""
+    cheapest = min(others, key=lambda c: c.end_cost)
+    best = cheapest if cheapest.end_cost < before.best.end_cost else before.best
+    ratio = before.best.end_cost / best.end_cost
+    apart = problem.parameters.different_mean
+    rivals = [(c.end_cost / best.end_cost, c) for c in (before.best, *others) if _gap(problem, c, best) > apart]
+    margin, rival = min(rivals, key=lambda pair: pair[0], default=(np.inf, None))
+    contrary = min((r for r, c in rivals if _agrees_better(problem, c, best)), default=np.inf)
+    unhinted = min((r * best.penalty / c.penalty for r, c in rivals if problem.known), default=np.inf)
+    if _gap(problem, before.best, best) <= apart:  # its rivals are this one's
+        contrary, unhinted = min(contrary, ratio * before.contrary), min(unhinted, ratio * before.unhinted)
+    problem.log.choose(best.number)
+    if ratio * before.margin < margin:
+        return Decision(best, ratio * before.margin, before.runner_up, unhinted, contrary)
+    return Decision(best, margin, rival.mean_distortion if rival else np.inf, unhinted, contrary)
+
+
 def _agrees_better(problem: MatchProblem, rival: Contender, best: Contender) -> bool:
     """Whether what bulges and what is hollow agrees clearly better along a rival."""
     return 1 - rival.curvature_agreement < problem.parameters.contrary_relief * (1 - best.curvature_agreement)
@@ -163,11 +184,19 @@ def _agrees_better(problem: MatchProblem, rival: Contender, best: Contender) -> 
 def _doubtful(
     problem: MatchProblem, others: list[Contender], preview: Contender, best: Contender, apart: float
 ) -> list[Contender]:
-    """Those of other maps that cost hardly more than the best in the preview, where costs are rough."""
+    """Those of other maps that cost hardly more than the best in the preview, where costs are rough.
+
+    Or not much more, if the relief agrees clearly better along them: chest and back cost as much but for that.
+    """
     given = problem.parameters
     if problem.reflection:
         return []
-    near = [c for c in others if c.cost < given.doubtful_ratio * preview.cost and _gap(problem, c, best) > apart]
+
+    def is_near(c: Contender) -> bool:
+        contrary = _agrees_better(problem, c, best)
+        return c.cost < (given.doubtful_contrary_ratio if contrary else given.doubtful_ratio) * preview.cost
+
+    near = [c for c in others if is_near(c) and _gap(problem, c, best) > apart]
     return near[: given.doubtful_count]
 
 
