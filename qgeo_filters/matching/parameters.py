@@ -338,9 +338,15 @@ class MatchingParameters:
     #: at .06 to .12 and a margin of 1.1 to 1.7 (benchmarks/README.md, "All sets").
     hardly_isometric: float = 0.06
     hardly_isometric_margin: float = 2.0
+    #: Where heat kernels agree as those of poses of one shape do, from this distortion on only (SCAPE: right at .067).
+    poses_alike: float = 0.95
+    poses_isometric: float = 0.1
     #: Agreement of heat kernels: poses of TOSCA have .96 to 1, right maps of animals of different species .88 and more,
     #: different creatures .57 to .67.
     match_alike: float = 0.87
+    #: The same where another map was found, and costs this many times as much (right maps of teeth .84 and 6.3).
+    clear_alike: float = 0.82
+    clear_margin: float = 5.0
     #: The same where one shape has handles that the other lacks: heat flows where surfaces have grown together (right
     #: maps of two children with a hand on the body .85, wrong ones .68 and less).
     grown_alike: float = 0.8

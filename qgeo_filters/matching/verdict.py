@@ -41,12 +41,13 @@ def verdict(
         return False, f"distances differ by {score:.3f} sqrt(area) in the mean: the shapes are not near-isometric"
     if abs(turned) < given.settled_orientation:
         return False, f"the map turns much of the surface over (orientation {turned:.2f}): parts may be mirrored"
-    if alike < (given.grown_alike if grown else given.match_alike):
+    if alike < _least_alike(given, margin, grown):
         return False, (
             f"distances are kept to {score:.3f} sqrt(area) in the mean, but the map relates parts of different shape "
             f"(their heat kernels agree by {alike:.2f} only)"
         )
-    if score > given.hardly_isometric and margin < given.hardly_isometric_margin:
+    poses = given.poses_isometric if alike >= given.poses_alike else given.hardly_isometric
+    if score > poses and margin < given.hardly_isometric_margin:
         return False, (
             f"distances differ by {score:.3f} sqrt(area) in the mean, and another map costs only {margin:.2f} times as "
             "much: of shapes that are hardly isometric it may be the right one"
@@ -63,6 +64,13 @@ def verdict(
         )
     rival = f"the next different map costs {margin:.1f} times as much" if margin < np.inf else "there is no other map"
     return True, f"distances are kept to {score:.3f} sqrt(area) in the mean; {rival}"
+
+
+def _least_alike(given: MatchingParameters, margin: float, grown: bool) -> float:
+    """How well heat kernels must agree along a map of this margin."""
+    if grown:
+        return given.grown_alike
+    return given.clear_alike if given.clear_margin <= margin < np.inf else given.match_alike
 
 
 def with_hand(
