@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from qgeo_filters._typing import IndexArray
+from qgeo_filters.matching.finish import turned_round
 from qgeo_filters.matching.initialization.candidates import mapped_points
 from qgeo_filters.matching.initialization.limb_maps import limb_maps
 from qgeo_filters.matching.initialization.upsampling import laplacian_lift
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.search import Found
-from qgeo_filters.matching.selection.cost import registered
+from qgeo_filters.matching.selection.cost import Contender, registered
 from qgeo_filters.matching.selection.decision import Decision, decided_among, settled
 from qgeo_filters.matching.symmetry import reflection_of
 
@@ -19,8 +21,9 @@ def with_limbs_matched(problem: MatchProblem, found: Found) -> Found:
 
     Where limbs are of other lengths, a map that takes hands to feet may keep distances best, and the right one is not
     among those that are proposed by distances. Of five ends, with a left and a right, few matchings go with the
-    symmetries of both shapes, and what the deformation along each of them costs tells. Nothing is sought where
-    distances are kept, where what was found is clear as it is, or where a shape has no symmetry.
+    symmetries of both shapes, and what the deformation along each of them costs tells: that of X onto Y, and if that
+    is not clear that of Y onto X, too. Nothing is sought where distances are kept, where what was found is clear as it
+    is, or where a shape has no symmetry.
     """
     decision = found.decision
     if problem.more_handles or not _is_doubtful(problem, decision):
@@ -29,19 +32,45 @@ def with_limbs_matched(problem: MatchProblem, found: Found) -> Found:
     mirrors = [reflection_of(shape, problem.parameters) for shape in (asked.x, asked.y)]
     if mirrors[0] is None or mirrors[1] is None:
         return found
-    given, points = problem.parameters, mapped_points(asked)
-    maps = [(h.number, laplacian_lift(asked, h, points)) for h in limb_maps(asked, mirrors[0], mirrors[1])]
+    ends = _settled_limb_maps(asked, mirrors[0], mirrors[1])
+    if ends:
+        decision = decided_among(asked, decision, ends)
+    if _is_doubtful(problem, decision):  # a slender arm goes onto a stout one more easily than the other way
+        back = _settled_limb_maps(asked.swapped(), mirrors[1], mirrors[0])
+        if back:
+            decision = decided_among(asked, decision, _turned_round(asked, back))
+    return replace(found, decision=decision)
+
+
+def _settled_limb_maps(problem: MatchProblem, mirror_x: IndexArray, mirror_y: IndexArray) -> list[Contender]:
+    """The maps by ends of limbs that are cheapest in the preview, where they end."""
+    given, points = problem.parameters, mapped_points(problem)
+    maps = [(h.number, laplacian_lift(problem, h, points)) for h in limb_maps(problem, mirror_x, mirror_y)]
     if not maps:
-        return found
+        return []
     try:
-        previews = sorted(registered(asked, maps, given.preview, points), key=lambda c: c.cost)
+        previews = sorted(registered(problem, maps, given.preview, points), key=lambda c: c.cost)
         close = [c for c in previews if c.cost <= given.limb_close_ratio * previews[0].cost][: given.limb_close_count]
         for c in previews:
             if c not in close:
-                asked.log.drop(c.number, "among the matchings of limbs others cost less in the preview")
-        return replace(found, decision=decided_among(asked, decision, settled(asked, close)))
+                problem.log.drop(c.number, "among the matchings of limbs others cost less in the preview")
+        return settled(problem, close)
     finally:
-        asked.x.arap.release()
+        problem.x.arap.release()
+
+
+def _turned_round(problem: MatchProblem, back: list[Contender]) -> list[Contender]:
+    """The cheapest maps from Y to X as ones from X to Y, where those end."""
+    given = problem.parameters
+    cheapest = sorted(back, key=lambda c: c.end_cost)[: given.limb_turned_count]
+    for c in back:
+        if c not in cheapest:
+            problem.log.drop(c.number, "from Y to X others cost less")
+    maps = [(c.number, turned_round(problem.swapped(), c.dense).p2p) for c in cheapest]
+    try:
+        return registered(problem, maps, given.coarse_to_fine)
+    finally:
+        problem.x.arap.release()
 
 
 def _is_doubtful(problem: MatchProblem, decision: Decision) -> bool:

@@ -179,6 +179,8 @@ class MatchingParameters:
     #: Of those the ones that are taken to the end: at most so many, within this ratio of the least cost in the preview.
     limb_close_count: int = 4
     limb_close_ratio: float = 6.0
+    #: Of those from Y to X so many are turned round.
+    limb_turned_count: int = 2
     #: Margin from which on a map is clear without.
     limb_margin: float = 3.0
 
