@@ -3,7 +3,9 @@
     python benchmarks/spectrum_landmarks.py [level] [--json FILE]
 
 A lopsided sphere of 10 * 4^level + 2 vertices (10242 for the default level 5) and, where QGEO_DATA names the evaluation
-data, three remeshed TOSCA shapes; the metric of the surface and the lifted one.
+data, three remeshed TOSCA shapes; the metric of the surface and the lifted one. "Eigenvalues" is the largest relative
+error of one. A lifted metric has positive and negative ones of nearly equal size, which change places where they are
+ordered by it: each of all vertices is compared with that of its sign and its place among those of its sign.
 """
 
 from __future__ import annotations
@@ -38,7 +40,16 @@ def surfaces(level: int) -> Iterator[tuple[str, Surface]]:
             yield name, Surface(*igl.read_triangle_mesh(str(path))[:2])
 
 
-def main(record: Record, level: int = 5, k: int = 20) -> None:
+def largest_error(found: np.ndarray, true: np.ndarray) -> float:
+    """Largest relative error of the eigenvalues, each paired within its sign."""
+    gaps = []
+    for sign in (1, -1):
+        expected = true[sign * true > 0]
+        gaps.append(np.abs(found[sign * found > 0][: len(expected)] / expected - 1))
+    return float(np.concatenate(gaps).max())
+
+
+def main(record: Record, level: int = 5, k: int = 20, spare: int = 10) -> None:
     """Print the table."""
     sines_of = ("sine, 20", "sine, 10", "eigenvalues", "CPU s", "all, CPU s")
     table = record.table("", "surface", "vertices", "weight", "landmarks", *sines_of, align="l" + 8 * "r")
@@ -53,12 +64,12 @@ def main(record: Record, level: int = 5, k: int = 20) -> None:
             for count in (500, 1000):
                 start = time.process_time()
                 points = farthest_points(surface, count, metric)
-                part = spectrum_of_matrix(landmark_operator(metric, points, matrix[points]), areas, k)
+                part = spectrum_of_matrix(landmark_operator(metric, points, matrix[points]), areas, k + spare)
                 seconds = time.process_time() - start
                 sines = [
                     subspace_sine(part.eigenfunctions[:, :j], full.eigenfunctions[:, :j], areas) for j in (k, k // 2)
                 ]
-                error = np.abs(part.eigenvalues / full.eigenvalues - 1).max()
+                error = largest_error(part.eigenvalues, full.eigenvalues)
                 cells = (f"{sines[0]:.4f}", f"{sines[1]:.4f}", f"{error:.1e}", f"{seconds:.1f}", f"{full_time:.1f}")
                 table.row(name, surface.n_vertices, weight, count, *cells)
 
