@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 from shapes import icosphere
 
 from qgeo_filters.errors import ParameterError
@@ -120,7 +123,9 @@ def test_the_log_of_a_match_has_a_row_for_each_map_with_its_fate() -> None:
         log.note(k, preview_cost=10.0**k)
     log.note(0, end_cost=2.0)
     log.note(1, end_cost=1.0)
-    log.drop(7, "a rule whose name is so long that it does not fit beside the picture at all, as may happen")
+    long = "a rule whose name is so long that it does not fit beside the picture in one line, as may happen"
+    log.drop(7, long)
+    log.drop(8, f"{long}, and {long}")
     log.choose(1)
     figure = plot_match_log(log, most=12)
     left, costs, right = figure.axes
@@ -129,9 +134,33 @@ def test_the_log_of_a_match_has_a_row_for_each_map_with_its_fate() -> None:
     assert len(fates) == 12
     assert fates[0] == "chosen"
     assert fates[1] == "costs more at the end than #1"
-    assert any(fate.endswith("…") for fate in (text.get_text() for text in plot_match_log(log, most=30).axes[2].texts))
+    words = plot_match_log(log, most=30).axes[2].texts
+    assert sum(text.get_text().replace("\n", " ") == long for text in words) == 1
+    assert sum(text.get_text().endswith("…") and text.get_text().count("\n") == 1 for text in words) == 1
     # Multiples of the least cost: of the preview, #0's, and of the end, the chosen one's.
     ratios = np.concatenate([points.get_offsets()[:, 0] for points in costs.collections])
     assert sorted(ratios) == pytest.approx([1, 1, 2, 10, 100, 1000])
     with pytest.raises(ParameterError, match="no maps"):
         plot_match_log(MatchLog())
+
+
+def test_words_of_the_log_can_be_read_on_paper() -> None:
+    """Each at 4.5 : 1 against white (WCAG 2, AA), whole, and apart from the next."""
+    log = MatchLog()
+    rule = "distorts distances by more than 0.094, times how unlike the surroundings of what it relates are"
+    for k in range(12):
+        log.propose(f"somebody {k}", 0.01 * (k + 1), orientation=0.9)
+        log.note(k, **({"preview_cost": 1.0 + k} if k < 6 else {}), **({"end_cost": 2.0 + k} if k < 3 else {}))
+        if k:
+            log.drop(k, rule)
+    log.choose(0)
+    figure = plot_match_log(log)
+    figure.draw_without_rendering()
+    words = figure.axes[2].texts
+    for text in words:
+        linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(text.get_color())]
+        assert 1.05 / (np.dot([0.2126, 0.7152, 0.0722], linear) + 0.05) >= 4.5
+    boxes = [text.get_window_extent() for text in words]
+    assert len({text.get_color() for text in words}) == 4
+    assert all(box.x1 <= figure.bbox.x1 for box in boxes)
+    assert not any(upper.overlaps(lower) for upper, lower in itertools.pairwise(boxes))

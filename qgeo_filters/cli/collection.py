@@ -41,7 +41,7 @@ GroupBy = Annotated[
     typer.Option(
         "--group-by",
         metavar="PATTERN",
-        help="Group of a shape: what this regular expression finds in its name, such as '^[a-z]+'.",
+        help="Group of a shape: what this regular expression finds in its name, such as '^\\[a-z]+'.",
         show_default=False,
     ),
 ]

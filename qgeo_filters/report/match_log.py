@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +14,9 @@ from qgeo_filters.matching.match_log import CHOSEN, LoggedMap, MatchLog
 from qgeo_filters.report.panels import STYLE, new_figure
 
 _CHOSEN, _ENDED, _PREVIEWED, _DROPPED = "#b2352f", "#2c5fa8", "#7fa6d6", "#a9a9a9"
-# Words of a rule that fit beside the picture.
+# Of words: what is pale enough for a dot is too pale to be read on paper.
+_WORDS = {_PREVIEWED: "#3f6fae", _DROPPED: "#666666"}
+# Letters of a rule that fit beside the picture, on each of two lines.
 _LONGEST = 58
 
 
@@ -34,15 +38,14 @@ def plot_match_log(log: MatchLog, most: int = 24) -> Figure:
     if not len(log):
         raise ParameterError("the log has no maps to draw")
     shown = log.ranked()[:most]
-    figure = new_figure(9.2, 1.1 + 0.21 * len(shown))
+    figure = new_figure(9.2, 1.1 + 0.23 * len(shown))
     with matplotlib.rc_context(STYLE):
         left, middle, right = figure.subplots(1, 3, sharey=True, width_ratios=(1.0, 1.4, 1.5))
         _distortions(left, shown)
         _costs(middle, shown)
         right.axis("off")
         for row, entry in enumerate(shown):
-            weight = "bold" if entry.fate == CHOSEN else "normal"
-            right.text(0, row, _shortened(entry.fate), va="center", color=_color(entry), fontsize=7.5, weight=weight)
+            _words(right, row, entry)
         left.set_yticks(range(len(shown)), [f"#{entry.number}" for entry in shown], fontsize=7.5)
         left.set_ylim(len(shown) - 0.4, -0.6)
     return figure
@@ -83,5 +86,9 @@ def _color(entry: LoggedMap) -> str:
     return _PREVIEWED if entry.preview_cost is not None else _DROPPED
 
 
-def _shortened(text: str) -> str:
-    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"
+def _words(axes: Axes, row: int, entry: LoggedMap) -> None:
+    """What became of a map, on two lines if it is long."""
+    lines = textwrap.wrap(entry.fate, _LONGEST, max_lines=2, placeholder="…")
+    color = _WORDS.get(_color(entry), _color(entry))
+    weight, size = "bold" if entry.fate == CHOSEN else "normal", 7.5 if len(lines) == 1 else 6.5
+    axes.text(0, row, "\n".join(lines), va="center", color=color, fontsize=size, weight=weight, linespacing=1.0)

@@ -59,16 +59,19 @@ tbody th { font-weight: 500; }
 }
 a { color: var(--accent); }
 footer { margin-top: 1.5rem; font-size: .88rem; color: var(--faint); overflow-wrap: anywhere; }
+@page { margin: 14mm; }
 @media print {
   :root { --page: #ffffff; --card: #ffffff; --text: #000000; --faint: #444444; --line: #bbbbbb; --accent: #1d4580;
     color-scheme: light; }
   body { padding: 0; max-width: none; font-size: 10pt; }
   .pictures { grid-template-columns: repeat(2, minmax(0, 1fr)); }
-  figure, .table, tr { break-inside: avoid; }
+  figure, tr { break-inside: avoid; }
+  .table { break-inside: auto; }  /* a long one would leave a page half empty before it */
+  h2, thead { break-after: avoid; }
   figure, .table { border-radius: 0; }
   figure { padding: 0; }
   figure img { max-height: 11cm; }
-  h1, h2 { break-after: avoid; }
+  h1 { break-after: avoid; }
   .tables { columns: 1; }
   .scroll { overflow: visible; }
 }

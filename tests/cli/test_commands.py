@@ -9,10 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+import typer
+from rich.text import Text
 from typer.testing import Result
 
 import qgeo_filters as qg
 from qgeo_filters.caching import cache
+from qgeo_filters.cli import app
 from qgeo_filters.filters import stages
 from qgeo_filters.geodesics.path.paths import quasi_geodesic
 from qgeo_filters.parallel import available_cores, worker_count
@@ -329,6 +332,18 @@ def test_help_and_version(qgeo: Qgeo) -> None:
         shown = qgeo(name, "-h")
         assert shown.exit_code == 0
         assert "--output" in shown.stdout
+
+
+def test_help_is_shown_as_it_is_written() -> None:
+    """Typer reads it as Rich's markup, which swallows what stands in brackets, a regular expression's too."""
+    groups, shown = [typer.main.get_command(app)], 0
+    for group in groups:
+        for command in group.commands.values():
+            groups += [command] if hasattr(command, "commands") else []
+            for text in filter(None, [command.help, *(getattr(one, "help", None) for one in command.params)]):
+                assert Text.from_markup(text).plain == text.replace("\\[", "["), command.name
+                shown += "[" in text
+    assert shown
 
 
 LONG = ("demo", "distances", "path", "spectrum", "symmetry", "match", "compatibility", "evaluate", "run")
