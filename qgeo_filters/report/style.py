@@ -65,14 +65,17 @@ footer { margin-top: 1.5rem; font-size: .88rem; color: var(--faint); overflow-wr
     color-scheme: light; }
   body { padding: 0; max-width: none; font-size: 10pt; }
   .pictures { grid-template-columns: repeat(2, minmax(0, 1fr)); }
-  figure, tr { break-inside: avoid; }
-  .table { break-inside: auto; }  /* a long one would leave a page half empty before it */
+  figure, .table, tr { break-inside: avoid; }
+  /* A long one would leave a page half empty before it. */
+  .table:has(tr:nth-child(9)) { break-inside: auto; -webkit-box-decoration-break: clone; box-decoration-break: clone; }
   h2, thead { break-after: avoid; }
   figure, .table { border-radius: 0; }
   figure { padding: 0; }
-  figure img { max-height: 11cm; }
+  figure img { max-height: 12.5cm; }
   h1 { break-after: avoid; }
   .tables { columns: 1; }
+  table { font-size: 8.5pt; }
+  .meaning { width: 40%; font-size: 8pt; }
   .scroll { overflow: visible; }
 }
 """

@@ -1,7 +1,8 @@
-"""The report in a browser: by night its pictures have the colours that they have by day."""
+"""The report in a browser: by night its pictures have the colours that they have by day; on paper."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import browser as tools
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from qgeo_filters.report.html import Picture, write_report
+from qgeo_filters.report.html import Picture, Table, write_report
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -36,3 +37,28 @@ def test_pictures_are_not_dimmed_in_the_dark(chromium, tmp_path: Path) -> None: 
     np.testing.assert_array_equal(found["dark"], found["light"])
     assert (found["dark"][2] == 255).all()
     assert np.ptp(found["dark"][:2], axis=0).max() > 50
+
+
+def test_a_dark_page_is_printed_black_on_white(chromium, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    """With the colours of paper, within the sheet, without pages that are left half empty before a long table."""
+    rows = {f"a_number_with_a_long_name_{k}": "distances are kept to 0.010 sqrt(area) in the mean" for k in range(17)}
+    tables = [Table.of(f"Table {k}", rows) for k in range(5)]
+    figure = Figure(figsize=(8, 5), dpi=100)
+    picture = Picture("some", figure, "A picture.")
+    write_report(tmp_path / "report.html", "On paper", pictures=[picture], tables=tables)
+    page = chromium.new_page(viewport={"width": 688, "height": 1000}, color_scheme="dark")
+    page.goto((tmp_path / "report.html").as_uri())
+    page.emulate_media(media="print", color_scheme="dark")
+    colors = page.evaluate(
+        """() => ['body', '.table', 'figure', 'td', 'th', 'h1', 'h2'].map(name => {
+            const style = getComputedStyle(document.querySelector(name));
+            return [style.color, style.backgroundColor];
+        })"""
+    )
+    assert {text for text, _ in colors} == {"rgb(0, 0, 0)"}
+    assert {ground for _, ground in colors} <= {"rgb(255, 255, 255)", "rgba(0, 0, 0, 0)"}
+    assert page.evaluate("document.documentElement.scrollWidth") <= 688
+    sheets = re.findall(rb"/Type\s*/Page\b", page.pdf(format="A4", prefer_css_page_size=True))
+    filled = page.evaluate("document.documentElement.scrollHeight") / 1017  # A4 less 14 mm at each end
+    assert len(sheets) < filled + 1.1
+    page.close()
