@@ -50,7 +50,8 @@ def as_surface(obj: SurfaceLike, *, repair: RepairOption = False) -> Surface:
         a path, or any object with ``vertices`` and ``faces``.
         Never changed. Per-vertex attributes come along: ``mesh.vertex[...]`` of Open3D (positions apart;
         normals and colours under their names), custom scalar and point attributes of PyMeshLab,
-        ``point_data`` of PyVista and meshio, ``pointdata`` of vedo, ``vertex_attributes`` of trimesh.
+        ``point_data`` of PyVista and meshio, ``pointdata`` of vedo, ``vertex_attributes`` of trimesh and its
+        colours.
     repair : bool, "auto" or "force"
         Make the mesh manifold and one piece; polygons are triangulated. More than a hundredth of the area is removed
         only with "force". With "auto" only where something is wrong, see `surface_and_repair`. To learn what was

@@ -14,6 +14,9 @@ from qgeo_filters.io.polygons import Polygons, triangulated
 from qgeo_filters.io.raw_mesh import RawMesh, counted
 from qgeo_filters.surface import Surface
 
+# Array in which vedo keeps the colours of points, in eight bits a channel.
+_SHOWN = "PointsRGBA"
+
 
 def read(mesh: Any, repair: bool) -> RawMesh:
     """Arrays of a Mesh of triangles, as it is placed in the scene; every array of ``pointdata`` is an attribute.
@@ -30,12 +33,14 @@ def read(mesh: Any, repair: bool) -> RawMesh:
     sizes, corners = _polygons(data)
     points = np.array(mesh.coordinates, dtype=np.float64).reshape(-1, 3)
     attributes = {name: np.array(mesh.pointdata[name]) for name in mesh.pointdata.keys()}  # noqa: SIM118, no mapping
+    if "colors" in attributes:
+        attributes.pop(_SHOWN, None)
     faces, notes = triangulated(points, Polygons(corners, sizes), repair)
     return RawMesh(points, faces, attributes, notes)
 
 
 def write(mesh: Any, attributes: Mapping[str, np.ndarray]) -> Any:
-    """Copy of the mesh with arrays added to its ``pointdata``; what it is coloured by stays."""
+    """Copy of the mesh with arrays added to its ``pointdata``; what it is coloured by stays, unless by ``"colors"``."""
     from vtkmodules.util.numpy_support import numpy_to_vtk
 
     copy = _clone(mesh)
@@ -49,6 +54,11 @@ def write(mesh: Any, attributes: Mapping[str, np.ndarray]) -> Any:
         array = numpy_to_vtk(np.ascontiguousarray(held), deep=True)
         array.SetName(name)
         copy.dataset.GetPointData().AddArray(array)
+    colors = attributes.get("colors")
+    if colors is not None and colors.shape == (copy.npoints, 3):
+        painted = np.full((copy.npoints, 4), 255, dtype=np.uint8)
+        painted[:, :3] = np.round(255 * np.clip(colors, 0, 1))
+        copy.pointcolors = painted
     return copy
 
 

@@ -79,6 +79,7 @@ def test_trimesh_both_ways():
     )  # fmt: skip
     surface = as_surface(mesh)
     np.testing.assert_array_equal(surface.attributes["own"], np.arange(N))
+    np.testing.assert_array_equal(surface.attributes["colors"], colors[:, :3] / 255)
     out = write_back(mesh, surface, ATTRIBUTES)
     assert type(out) is trimesh.Trimesh
     assert_attributes(as_surface(out), {**ATTRIBUTES, "own": np.arange(N)})
@@ -92,6 +93,25 @@ def test_trimesh_both_ways():
     np.testing.assert_array_equal(mesh.vertices, VERTICES)
     with pytest.raises(MeshError, match=r"a trimesh Scene is no mesh: pass scene.to_mesh\(\)"):
         as_surface(trimesh.Scene(mesh))
+
+
+def test_what_is_painted_is_what_trimesh_shows_and_writes(tmp_path):
+    import trimesh
+
+    mesh = trimesh.Trimesh(VERTICES, FACES, process=False, vertex_attributes={"own": np.arange(N, dtype=np.float32)})
+    assert set(as_surface(mesh).attributes) == {"own"}
+    colors = np.linspace(0, 1, 3 * N).reshape(N, 3)
+    out = write_back(mesh, as_surface(mesh), {"colors": colors})
+    assert out.visual.kind == "vertex"
+    assert set(out.vertex_attributes) == {"own"}
+    np.testing.assert_array_equal(out.visual.vertex_colors, np.column_stack([np.round(255 * colors), np.full(N, 255)]))
+    for suffix in ("ply", "obj", "glb"):
+        out.export(tmp_path / f"painted.{suffix}")
+        again = trimesh.load(tmp_path / f"painted.{suffix}", process=False, force="mesh")
+        assert np.abs(again.visual.vertex_colors[:, :3] / 255.0 - colors).max() < 0.003, suffix
+    repainted = write_back(out, as_surface(out), {"colors": 1 - colors})
+    np.testing.assert_allclose(as_surface(repainted).attributes["colors"], 1 - colors, atol=0.5 / 255 + 1e-9)
+    assert mesh.visual.kind is None
 
 
 def run(code):

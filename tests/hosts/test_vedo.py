@@ -47,6 +47,18 @@ def test_attributes_go_and_come_back_and_the_mesh_keeps_its_own(mesh):
     np.testing.assert_array_equal(mesh.pointdata["own"], np.arange(N))
 
 
+def test_what_is_painted_is_what_is_shown(mesh):
+    colors = np.linspace(0, 1, 3 * N).reshape(N, 3)
+    out = write_back(mesh, as_surface(mesh), {"colors": colors})
+    np.testing.assert_array_equal(out.pointcolors, np.column_stack([np.round(255 * colors), np.full(N, 255)]))
+    assert out.mapper.GetScalarVisibility()
+    assert set(as_surface(out).attributes) == {"own", "colors"}
+    np.testing.assert_array_equal(as_surface(out).attributes["colors"], colors)
+    repainted = write_back(out, as_surface(out), {"colors": 1 - colors})
+    np.testing.assert_array_equal(repainted.pointcolors[:, :3], np.round(255 * (1 - colors)))
+    assert mesh.pointdata.keys() == ["own"]
+
+
 def test_a_mesh_that_was_moved_is_where_it_is_shown(mesh):
     mesh.shift(1, 2, 3)
     np.testing.assert_allclose(as_surface(mesh).vertices, HELD + np.array([1, 2, 3]), atol=1e-6)
