@@ -71,9 +71,10 @@ footer { margin-top: 1.5rem; font-size: .88rem; color: var(--faint); overflow-wr
   h2, thead { break-after: avoid; }
   figure, .table { border-radius: 0; }
   figure { padding: 0; }
-  figure img { max-height: 12.5cm; }
+  figure img { max-height: 10.5cm; }
   h1 { break-after: avoid; }
-  .tables { columns: 1; }
+  .tables { columns: auto; }
+  footer { break-before: avoid; }
   table { font-size: 8.5pt; }
   .meaning { width: 40%; font-size: 8pt; }
   .scroll { overflow: visible; }
