@@ -37,7 +37,8 @@ class Spectrum:
     ----------
     eigenvalues : (k,) float64
         For a distance matrix by decreasing absolute value, in units of length^3 (length for uniform mass);
-        for the Laplacian increasing, in units of 1 / area.
+        for the Laplacian increasing, in units of 1 / area. A positive and a negative one of nearly equal size may
+        change places from one shape to another, or with the number of landmarks: compare those of one sign.
     eigenfunctions : (n, k) float64
         One in each column, orthonormal under the mass: ``phi.T @ (areas[:, None] * phi)`` is the identity.
         The sign is fixed by `canonical_signs`.
