@@ -11,9 +11,12 @@ import logging
 import threading
 from typing import Any, Literal, NoReturn
 
+import numpy as np
+import numpy.typing as npt
 from scipy.sparse.linalg import splu
 
 from qgeo_filters._typing import FloatArray
+from qgeo_filters.jit import njit
 
 _log = logging.getLogger(__name__)
 
@@ -51,3 +54,57 @@ def factorised_spd(matrix: Any, ordering: Literal["MMD_AT_PLUS_A", "NATURAL"] = 
         Minimum degree on the symmetric pattern, or the order that the unknowns have, if it is a good one already.
     """
     return SpdFactorisation(matrix, ordering)
+
+
+class BlockSolver:
+    """Solver of one sparse positive definite system for many columns at once: ``solve(b)``, b of shape (n, k).
+
+    SuperLU goes through its factors once for each column; here each entry meets a row of b, all columns as one vector
+    instruction: a third of the time for 24 columns, no gain for three. Holds L and D of the factorisation only.
+
+    Parameters
+    ----------
+    matrix : sparse (n, n), CSC
+    """
+
+    def __init__(self, matrix: Any) -> None:
+        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        if not np.array_equal(factors.perm_r, factors.perm_c):
+            raise ValueError("the matrix is not positive definite")  # a bug of the caller
+        self._order, self._place = np.argsort(factors.perm_c), factors.perm_c.astype(np.int64)
+        lower = factors.L
+        lower.sort_indices()  # the diagonal, ones, first in each column
+        self._lower = lower.indptr, lower.indices, lower.data
+        self._inverse_diagonal = 1 / factors.U.diagonal()
+
+    def __call__(self, right: FloatArray) -> FloatArray:
+        """Solution (n, k) for a right-hand side (n, k)."""
+        block = right[self._order]
+        _solve_block(*self._lower, self._inverse_diagonal, block)
+        return block[self._place]
+
+
+@njit(error_model="numpy")
+def _solve_block(
+    starts: npt.NDArray[np.int32],
+    rows: npt.NDArray[np.int32],
+    entries: FloatArray,
+    inverse_diagonal: FloatArray,
+    block: FloatArray,
+) -> None:
+    """Solve L D L^T x = block in place; the first entry of each column of L is the diagonal, which is one."""
+    n, width = block.shape
+    for j in range(n):
+        above = block[j]
+        for e in range(starts[j] + 1, starts[j + 1]):
+            entry, below = entries[e], block[rows[e]]
+            for c in range(width):
+                below[c] -= entry * above[c]
+    for j in range(n - 1, -1, -1):
+        above = block[j]
+        for c in range(width):
+            above[c] *= inverse_diagonal[j]
+        for e in range(starts[j] + 1, starts[j + 1]):
+            entry, below = entries[e], block[rows[e]]
+            for c in range(width):
+                above[c] -= entry * below[c]

@@ -14,7 +14,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 from shapes import blob
 
-from qgeo_filters.cholesky import factorised_spd
+from qgeo_filters.cholesky import BlockSolver, factorised_spd
 
 
 @pytest.fixture(scope="module")
@@ -51,3 +51,22 @@ def test_dropped_in_another_thread_it_says_so(system, caplog: pytest.LogCaptureF
 def test_it_cannot_be_pickled(system) -> None:
     with pytest.raises(TypeError, match="factorise again"):
         pickle.dumps(factorised_spd(system))
+
+
+@pytest.mark.parametrize("columns", [1, 3, 24])
+def test_a_block_is_solved_as_its_columns_are(system, columns) -> None:
+    right = np.random.default_rng(0).normal(size=(system.shape[0], columns))
+    given = right.copy()
+    found = BlockSolver(system)(right)
+    np.testing.assert_allclose(found, factorised_spd(system)(right), rtol=1e-12, atol=1e-12)
+    np.testing.assert_array_equal(right, given)
+
+
+def test_a_block_solver_may_be_dropped_in_another_thread(system, caplog: pytest.LogCaptureFixture) -> None:
+    held = [BlockSolver(system)]
+    thread = threading.Thread(target=held.clear)
+    thread.start()
+    thread.join()
+    gc.collect()
+    assert not held
+    assert not caplog.records

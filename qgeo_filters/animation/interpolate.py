@@ -105,13 +105,11 @@ def interpolate(
 
 
 def _frames(start: Surface, ends: list[FloatArray], times: FloatArray) -> Any:
-    """Positions at each time; the path of each leg is made once."""
-    leg, path = -1, None
-    for time in times:
-        needed = min(int(time), len(ends) - 2)
-        if path is None or needed != leg:
-            leg, path = needed, InterpolationPath(start.with_vertices(ends[needed]), ends[needed + 1])
-        yield path(time - leg)
+    """Positions at each time; the path of each leg is made once, and its frames several side by side."""
+    legs = np.minimum(times.astype(int), len(ends) - 2)
+    for leg in np.unique(legs):
+        path = InterpolationPath(start.with_vertices(ends[leg]), ends[leg + 1])
+        yield from path.frames(times[legs == leg] - leg)
 
 
 def _end(

@@ -39,21 +39,26 @@ class PoissonSolver:
     """
 
     def __init__(self, vertices: FloatArray, faces: IntArray, pull: FloatArray) -> None:
-        n = len(vertices)
         self._faces: npt.NDArray[np.int64] = np.ascontiguousarray(faces, dtype=np.int64)
         self._vertices = np.ascontiguousarray(vertices)
         self._cotangents = half_cotangents(vertices, faces)
-        i, j = self._faces[:, [1, 2, 0]].ravel(), self._faces[:, [2, 0, 1]].ravel()
-        weights = self._cotangents.ravel()
-        off = sparse.coo_array((np.concatenate([weights, weights]), (np.r_[i, j], np.r_[j, i])), (n, n)).tocsr()
         self.pull = pull
-        diagonal = np.asarray(off.sum(axis=1)).ravel() + pull
-        self._solve = factorised_spd(sparse.csc_matrix(sparse.diags_array(diagonal) - off))
+        self._solve = factorised_spd(poisson_matrix(self._faces, self._cotangents, pull))
 
     def __call__(self, gradients: FloatArray, targets: FloatArray) -> FloatArray:
         """Positions (n, 3) for gradients (m, 3, 3) and targets (n, 3)."""
         right = gradient_sums(self._vertices, self._faces, self._cotangents, np.ascontiguousarray(gradients))
         return np.ascontiguousarray(self._solve(right + self.pull[:, None] * targets))
+
+
+def poisson_matrix(faces: npt.NDArray[np.int64], cotangents: FloatArray, pull: FloatArray) -> sparse.csc_matrix:
+    """The system (n, n) of `PoissonSolver`: cotangent Laplacian, and the pull on its diagonal."""
+    n = len(pull)
+    i, j = faces[:, [1, 2, 0]].ravel(), faces[:, [2, 0, 1]].ravel()
+    weights = cotangents.ravel()
+    off = sparse.coo_array((np.concatenate([weights, weights]), (np.r_[i, j], np.r_[j, i])), (n, n)).tocsr()
+    diagonal = np.asarray(off.sum(axis=1)).ravel() + pull
+    return sparse.csc_matrix(sparse.diags_array(diagonal) - off)
 
 
 def area_shares(surface: Surface) -> FloatArray:

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 from scipy.spatial.transform import Rotation
 
 from qgeo_filters._typing import FloatArray, IntArray
-from qgeo_filters.jit import njit
+from qgeo_filters.deformation.frame_lanes import walked_rotations
 
 # A step between triangles that are turned alike: a graph has no edges of weight 0.
 _LEAST_STEP = 1e-12
 
 
 class RotationWalk:
-    """Rotations (m, 3, 3) at any part of the way from none to the given ones.
+    """Rotations of triangles at any part of the way from none to the given ones.
 
     A rotation by more than half a turn has the same matrix as one the other way round, and by a whole turn as none at
     all. Those from a triangle to its neighbour are small and have one logarithm: they are blended, and put together
@@ -55,26 +54,6 @@ class RotationWalk:
         steps_of = np.einsum("tji,tjk->tik", reached_from, rotations)
         self._steps: FloatArray = Rotation.from_matrix(steps_of).as_rotvec()
 
-    def __call__(self, t: float) -> FloatArray:
-        """Rotations (m, 3, 3) at t: at 0 none, at 1 the given ones."""
-        return _put_together(Rotation.from_rotvec(t * self._steps).as_matrix(), self._walk, self._before)
-
-
-@njit()
-def _put_together(steps: FloatArray, walk: npt.NDArray[np.int64], before: npt.NDArray[np.int64]) -> FloatArray:
-    """Product of the steps from the root of the walk to each triangle."""
-    root = len(steps)
-    result = np.empty(steps.shape)
-    for t in walk:
-        p = before[t]
-        for a in range(3):
-            for b in range(3):
-                if p == root:
-                    result[t, a, b] = steps[t, a, b]
-                else:
-                    result[t, a, b] = (
-                        result[p, a, 0] * steps[t, 0, b]
-                        + result[p, a, 1] * steps[t, 1, b]
-                        + result[p, a, 2] * steps[t, 2, b]
-                    )
-    return result
+    def __call__(self, times: FloatArray) -> FloatArray:
+        """Rotations as unit quaternions (m, 4, lanes), w first, at `LANES` times: at 0 none, at 1 the given ones."""
+        return walked_rotations(self._steps, self._walk, self._before, times)

@@ -7,7 +7,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 from shapes import arched, blob, creature, cylinder, icosphere
 
+from qgeo_filters.deformation.fit_rotations import fit_rotations
+from qgeo_filters.deformation.frame_lanes import LANES
+from qgeo_filters.deformation.gradients import TriangleFrames
 from qgeo_filters.deformation.interpolation import InterpolationPath
+from qgeo_filters.deformation.poisson import PoissonSolver, area_shares
+from qgeo_filters.deformation.rotation_walk import RotationWalk
 from qgeo_filters.deformation.similarity import Similarity
 from qgeo_filters.surface import Surface
 
@@ -102,3 +107,56 @@ def test_flat_triangles_and_vertices_without_any_are_borne() -> None:
     found = InterpolationPath(start, end)(0.5)
     np.testing.assert_allclose(found[: len(vertices)], moved(vertices, [0.5, 0, 0]), atol=1e-4)
     assert np.isfinite(found).all()
+
+
+def one_after_the_other(start: Surface, end: np.ndarray, times: np.ndarray) -> list[np.ndarray]:
+    """The method as it is written, by matrices of each triangle and one solve after the other."""
+    shares = area_shares(start)
+    frames = TriangleFrames(start.vertices, start.faces)
+    whole = Similarity.between(start.vertices, end, shares, 1.0)
+    turn = Rotation.from_matrix(whole.rotation).as_rotvec()
+    gradients = frames.gradients(end @ whole.rotation)
+    rotations = fit_rotations(gradients)
+    walk = RotationWalk(rotations, start.twins)
+    stretches = np.einsum("tji,tjk->tik", rotations, gradients)
+    solve = PoissonSolver(start.vertices, start.faces, 1e-6 * shares)
+    found = []
+    for t in times:
+        stretch = (1 - t) * np.eye(3) + t * stretches
+        targets = (1 - t) * start.vertices + t * end @ whole.rotation
+        turned = Rotation.from_quat(walk(np.full(LANES, t))[:, [1, 2, 3, 0], 0]).as_matrix()
+        positions = solve(turned @ stretch, targets)
+        for _ in range(4 if 0 < t < 1 else 0):
+            fitted = fit_rotations(frames.gradients(positions) @ stretch.transpose(0, 2, 1))
+            positions = solve(fitted @ stretch, targets)
+        share = shares / shares.sum()
+        centre = (1 - t) * share @ start.vertices + t * share @ end
+        about = Rotation.from_rotvec(t * turn).as_matrix()
+        found.append((positions - share @ positions) @ about.T + centre)
+    return found
+
+
+@pytest.mark.parametrize("count", [1, 3, LANES, LANES + 2])
+def test_frames_side_by_side_are_those_of_the_method_one_after_the_other(count: int) -> None:
+    """Two triangles without area among them, of which nothing is known."""
+    vertices, faces = blob(2)
+    vertices = vertices.copy()
+    vertices[faces[7, 0]] = vertices[faces[7, 1]]
+    start = Surface(vertices, faces)
+    assert (TriangleFrames(start.vertices, start.faces).flat).sum() == 2
+    end = arched(start.vertices, 0.7) * [1, 1.2, 1] + 0.01 * np.random.default_rng(0).normal(size=vertices.shape)
+    times = np.linspace(0, 1, count + 2)[1:] if count > 1 else np.array([0.3])
+    found = list(InterpolationPath(start, end).frames(times))
+    for frame, t, expected in zip(found, times, one_after_the_other(start, end, times), strict=True):
+        np.testing.assert_allclose(frame, expected, atol=1e-9)
+        np.testing.assert_allclose(frame, InterpolationPath(start, end)(t), atol=1e-12)
+
+
+def test_rotations_along_the_walk_are_the_given_ones_at_its_end() -> None:
+    start = Surface(*blob(2))
+    given = Rotation.random(start.n_faces, random_state=0).as_matrix()
+    times = np.r_[0.0, 1.0, np.full(LANES - 2, 0.5)]
+    found = RotationWalk(given, start.twins)(times)
+    np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1, atol=1e-12)
+    np.testing.assert_allclose(Rotation.from_quat(found[:, [1, 2, 3, 0], 1]).as_matrix(), given, atol=1e-10)
+    np.testing.assert_allclose(np.abs(found[:, 0, 0]), 1, atol=1e-12)
