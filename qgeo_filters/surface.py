@@ -229,20 +229,22 @@ class Surface:
     @cached_property
     def corner_angles(self) -> FloatArray:
         """Angle of each triangle at each of its corners, shape (m, 3), radians."""
-        angles = np.empty(self.faces.shape)
-        for k in range(3):
-            p, q, r = (self.vertices[self.faces[:, (k + j) % 3]] for j in range(3))
-            u, v = q - p, r - p
-            # atan2 keeps full precision near 0 and pi, where arccos loses half of the digits.
-            angles[:, k] = np.arctan2(np.linalg.norm(np.cross(u, v), axis=1), np.einsum("ij,ij->i", u, v))
+        corners = np.ascontiguousarray(self.vertices.T)[:, self.faces.T]  # (coordinate, corner, face)
+        there = corners[:, [1, 2, 0]] - corners
+        back = -there[:, [2, 0, 1]]
+        (a, b, c), (u, v, w) = there, back
+        cross = np.sqrt((b * w - c * v) ** 2 + (c * u - a * w) ** 2 + (a * v - b * u) ** 2)
+        # atan2 keeps full precision near 0 and pi, where arccos loses half of the digits.
+        angles = np.ascontiguousarray(np.arctan2(cross, a * u + b * v + c * w).T)
         return _kept(angles)
 
     @cached_property
     def vertex_normals(self) -> FloatArray:
         """Angle-weighted unit normal of each vertex, shape (n, 3); zero without faces or where they cancel."""
-        total = np.zeros_like(self.vertices)
-        for k in range(3):
-            np.add.at(total, self.faces[:, k], self.corner_angles[:, k, None] * self.face_normals)
+        corner, weighted = self.faces.T.ravel(), self.corner_angles.T[..., None] * self.face_normals
+        total = np.column_stack(
+            [np.bincount(corner, weighted[..., axis].ravel(), minlength=self.n_vertices) for axis in range(3)]
+        )
         length = np.linalg.norm(total, axis=1, keepdims=True)
         # At the seam of a one-sided surface opposite normals cancel up to rounding, which has no direction.
         return _kept(np.divide(total, length, out=np.zeros_like(total), where=length > 1e-12))
