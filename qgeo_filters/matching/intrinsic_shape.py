@@ -134,6 +134,11 @@ class IntrinsicShape:
         return frozen(self.distances(self.fps[: self.parameters.fps_rows]).astype(np.float32))
 
     @cached_property
+    def nearest_fps(self) -> IndexArray:
+        """Place of the nearest of these farthest points, for each vertex, (n,)."""
+        return frozen(self.fps_distances.argmin(axis=0))
+
+    @cached_property
     @single_threaded_blas
     def laplacian_spectrum(self) -> Spectrum:
         """Eigenpairs of the Laplace-Beltrami operator, up to 200."""

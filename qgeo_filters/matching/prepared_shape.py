@@ -157,6 +157,11 @@ class PreparedShape(Level):
         """Distances from the first farthest points to all vertices in the first metric, (r, n)."""
         return self.intrinsic.fps_distances
 
+    @property
+    def nearest_fps(self) -> IndexArray:
+        """Place of the nearest of these farthest points, for each vertex, (n,)."""
+        return self.intrinsic.nearest_fps
+
     def distances(self, sources: npt.ArrayLike) -> FloatArray:
         """Distances from some vertices to all in the first metric, (s, n)."""
         return self.intrinsic.distances(sources)

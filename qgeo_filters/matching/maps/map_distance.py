@@ -70,8 +70,8 @@ def mean_distortion(problem: MatchProblem, images: IndexArray) -> float:
     x, y = problem.x, problem.y
     s = min(problem.parameters.coarse_points, len(x.fps_distances))
     images = images[:s]
-    near = np.argmin(y.fps_distances[:, images], axis=0)
-    return float(np.abs(x.fps_distances[:s, x.fps[:s]] - y.fps_distances[near][:, images]).mean())
+    near = y.nearest_fps[images]
+    return float(np.abs(x.fps_distances[:s, x.fps[:s]] - y.fps_distances[near[:, None], images]).mean())
 
 
 @njit()
