@@ -12,6 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
 
 from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
 from qgeo_filters.deformation.arap import Solve
@@ -78,6 +80,7 @@ class _State:
         self.positions = np.zeros((0, 3))
         self.functional = np.zeros((0, 0), np.float32)
         self.embeddings: tuple[SingleArray, SingleArray] = (np.zeros((0, 0), np.float32),) * 2
+        self.target: _Target | None = None
 
     def deform(self, step: Step, solve: Solve) -> None:
         """Pull X towards the means of its matches, as rigidly as possible."""
@@ -94,24 +97,23 @@ class _State:
 
     def match(self, step: Step) -> None:
         """Match the points of the step in both directions."""
-        x, y, k, stage = self.x, self.y, step.k, step.stage
-        # Eigenfunctions weigh as coordinates do: their sum over k is about k / area.
-        weight = 1 / (k * np.sqrt(np.pi))
+        x, k, stage = self.x, step.k, step.stage
+        profiles = self.problem.profiles
         deformed = x.unit.with_vertices(self.positions)
         left = [
-            weight * (x.laplacian[:, :k] @ self.functional), self.positions, stage.normals * deformed.vertex_normals
+            _weight(k) * (x.laplacian[:, :k] @ self.functional), self.positions, stage.normals * deformed.vertex_normals
         ]  # fmt: skip
-        right = [weight * y.laplacian[:, :k], y.unit.vertices, stage.normals * y.normals]
         if stage.hks:
             left.append(stage.hks * x.log_hks)
-            right.append(stage.hks * y.log_hks)
-        if self.problem.profiles is not None:
-            profiles = self.problem.profiles
+        if profiles is not None:
             left.append(self.problem.parameters.hint_weight * profiles[0])
-            right.append(self.problem.parameters.hint_weight * profiles[1])
-        self.embeddings = np.column_stack(left).astype(np.float32), np.column_stack(right).astype(np.float32)
         self.points_x, self.points_y = step.points_x, step.points_y
-        forth, back = nearest_neighbors_both_ways(self.embeddings[0][self.points_x], self.embeddings[1][self.points_y])
+        if self.target is None or not self.target.serves(step):
+            self.target = _Target.of(self.problem, step)
+        target, embedding = self.target, _columns(left)
+        self.embeddings = embedding, target.embedding
+        some = target.embedding[self.points_y]
+        forth, back = nearest_neighbors_both_ways(embedding[self.points_x], some, target.tree)
         self.forth, self.back = self.points_y[forth], self.points_x[back]
 
     def _pairs(self) -> tuple[IndexArray, IndexArray, FloatArray]:
@@ -140,3 +142,43 @@ class _State:
         moved = self.y.unit.vertices[j] * weight[:, None]
         sums = np.column_stack([np.bincount(i, moved[:, axis], n) for axis in range(3)])
         return sums / np.where(total > 0, total, 1.0)[:, None]
+
+
+@dataclass(frozen=True, eq=False)
+class _Target:
+    """Y as it is compared in some steps, and a tree of its points."""
+
+    step: Step
+    embedding: SingleArray
+    tree: cKDTree
+
+    @classmethod
+    def of(cls, problem: LevelPair, step: Step) -> _Target:
+        y, k, stage = problem.y, step.k, step.stage
+        right = [_weight(k) * y.laplacian[:, :k], y.unit.vertices, stage.normals * y.normals]
+        if stage.hks:
+            right.append(stage.hks * y.log_hks)
+        if problem.profiles is not None:
+            right.append(problem.parameters.hint_weight * problem.profiles[1])
+        embedding = _columns(right)
+        return cls(step, embedding, cKDTree(embedding[step.points_y]))
+
+    def serves(self, step: Step) -> bool:
+        """Whether another step compares the same: matchings of one size do."""
+        mine = self.step
+        return step.k == mine.k and step.stage is mine.stage and step.points_y is mine.points_y
+
+
+def _weight(k: int) -> float:
+    """By which eigenfunctions weigh as coordinates do: their sum over k is about k / area."""
+    return float(1 / (k * np.sqrt(np.pi)))
+
+
+def _columns(parts: list[npt.NDArray]) -> SingleArray:
+    """Arrays (n, ...) side by side in single precision, (n, d)."""
+    result = np.empty((len(parts[0]), sum(part.shape[1] for part in parts)), np.float32)
+    first = 0
+    for part in parts:
+        result[:, first : first + part.shape[1]] = part
+        first += part.shape[1]
+    return result

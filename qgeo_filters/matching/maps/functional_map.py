@@ -34,14 +34,17 @@ def nearest_neighbors(points: npt.NDArray, others: npt.NDArray) -> IndexArray:
     return result.reshape(points.shape[:-1])
 
 
-def nearest_neighbors_both_ways(points: npt.NDArray, others: npt.NDArray) -> tuple[IndexArray, IndexArray]:
+def nearest_neighbors_both_ways(
+    points: npt.NDArray, others: npt.NDArray, tree: cKDTree | None = None
+) -> tuple[IndexArray, IndexArray]:
     """Nearest row of others (m, d) to each of points (n, d), and the reverse, shapes (n,) and (m,).
 
     Both lie near surfaces: a few columns, such as positions, should vary by much more than the rest, so that a tree
-    leaves out most rows; for eigenfunctions alone `nearest_neighbors` is faster.
+    leaves out most rows; for eigenfunctions alone `nearest_neighbors` is faster. ``tree`` is that of others, if it is
+    there already.
     """
     workers = 1 if max(len(points), len(others)) < _THREADED else worker_count()
-    forth = cKDTree(others).query(points, workers=workers)[1]
+    forth = (cKDTree(others) if tree is None else tree).query(points, workers=workers)[1]
     back = cKDTree(points).query(others, workers=workers)[1]
     return np.asarray(forth, dtype=np.int64), np.asarray(back, dtype=np.int64)
 
