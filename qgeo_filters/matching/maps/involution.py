@@ -67,21 +67,15 @@ def _optimal_pairs(
 ) -> tuple[IndexArray, IndexArray]:
     """Pairs (row, column) of least cost together, with that of what is left alone."""
     n, m = len(alone_left), len(alone_right)
-    # Each point has a shadow on the other side to be matched with where it stays alone; shadows of a pair match
-    # each other for nothing, so that a full matching always exists. The solver takes a cost of zero for no edge.
-    free = np.zeros(len(rows))
-    table = sparse.coo_matrix(
-        (
-            np.concatenate([costs, alone_left, alone_right, free]) + 1e-12,
-            (
-                np.concatenate([rows, np.arange(n), n + np.arange(m), n + columns]),
-                np.concatenate([columns, m + np.arange(n), np.arange(m), m + rows]),
-            ),
-        ),
-        shape=(n + m, n + m),
-    ).tocsr()
-    row, column = min_weight_full_bipartite_matching(table)
-    pairs = (row < n) & (column < m)
+    # A row that stays alone takes a column of its own. What a column costs alone is saved by whom it is matched with.
+    worth = costs < alone_left[rows] + alone_right[columns]
+    rows, columns, costs = rows[worth], columns[worth], costs[worth]
+    entries = np.concatenate([costs - alone_right[columns], alone_left])
+    # The solver takes a cost of zero for no edge: all are moved above it, as each row is matched once.
+    entries += 1e-12 - entries.min(initial=0.0)
+    places = np.concatenate([rows, np.arange(n)]), np.concatenate([columns, m + np.arange(n)])
+    row, column = min_weight_full_bipartite_matching(sparse.csr_matrix((entries, places), shape=(n, m + n)))
+    pairs = column < m
     return np.asarray(row[pairs], dtype=np.int64), np.asarray(column[pairs], dtype=np.int64)
 
 
