@@ -276,6 +276,16 @@ class MatchingParameters:
     #: ``preview_ratio`` of reflections: one that leaves limbs in place keeps distances better than the right one does
     #: in an uneven pose, and is dropped for it only if that one is tried (symmetry: victoria2 needs 2.0).
     reflection_preview_ratio: float = 2.5
+    #: Hypotheses that keep the orientation are not grown: those below this, over so many triangles (symmetry: 200 of
+    #: 552, every third shape, all of which were at -.18 or below once they had grown).
+    rough_orientation: float = -0.3
+    rough_triangles: int = 100
+    #: Reflections whose images are nearer than this in the mean after the preview end as the same one: the cheaper goes
+    #: on (symmetry: .011 and less, or .033 and more).
+    reflection_same: float = 0.02
+    #: From this agreement on heat kernels need not lead a reflection once more: where they did, images moved by .009 at
+    #: most in the mean, without them the same (symmetry; cat9 has .91 and moved by .07).
+    reflection_closely_alike: float = 0.98
     #: Reflections that relate parts less alike than this, front to back, are none (symmetry).
     reflection_alike: float = 0.9
     #: A reflection that leaves limbs in place which another exchanges is none, unless that one costs this many times as

@@ -12,7 +12,7 @@ from qgeo_filters.matching.initialization.agd_extrema import extrema_maps
 from qgeo_filters.matching.initialization.hypothesis import Hypothesis
 from qgeo_filters.matching.initialization.landmark_maps import landmark_maps
 from qgeo_filters.matching.initialization.sign_search import sign_search
-from qgeo_filters.matching.initialization.upsampling import laplacian_lift, zoomout_lift
+from qgeo_filters.matching.initialization.upsampling import coarse_lift, laplacian_lift, zoomout_lift
 from qgeo_filters.matching.maps.map_distance import mean_distortion
 from qgeo_filters.matching.maps.orientation import normal_cosines
 from qgeo_filters.matching.prepared_shape import PreparedShape
@@ -79,6 +79,12 @@ def candidates(problem: MatchProblem) -> list[Candidate]:
             log.drop(h.number, dearer_than(problem, bound))
     guesses = extrema_maps(problem) + landmark_maps(problem)
     points, triangles = mapped_points(problem), _largest_triangles(problem.x, given.candidate_triangles)
+    if problem.reflection:
+        some = triangles[: given.rough_triangles]
+        turned = [h for h in worth if _rough_orientation(problem, h, some) < given.rough_orientation]
+        for h in turned:
+            log.drop(h.number, "keeps the orientation of the shape: no reflection")
+        worth = [h for h in worth if h not in turned]
     vertices = np.concatenate([points, triangles.ravel()])
 
     def measured(number: int, images: IndexArray) -> Candidate:
@@ -133,6 +139,12 @@ def dearer_than(problem: MatchProblem, bound: float) -> str:
 
 def _rank(problem: MatchProblem, h: Hypothesis) -> float:
     return h.mean_distortion * float(problem.dearness(h.points, h.p2p))
+
+
+def _rough_orientation(problem: MatchProblem, h: Hypothesis, triangles: IndexArray) -> float:
+    """Orientation of a hypothesis by its first eigenfunctions: what it will be once it has grown, but for a little."""
+    images = coarse_lift(problem, h, triangles.ravel()).reshape(-1, 3)
+    return float(normal_cosines(problem.y.unit, images).mean())
 
 
 def _largest_triangles(x: PreparedShape, count: int) -> IndexArray:

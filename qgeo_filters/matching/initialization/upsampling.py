@@ -22,6 +22,14 @@ def zoomout_lift(problem: MatchProblem, hypothesis: Hypothesis, vertices: IndexA
     return nearest_neighbors(phi_x[vertices, :k] @ functional, phi_y[:, :k])
 
 
+def coarse_lift(problem: MatchProblem, hypothesis: Hypothesis, vertices: IndexArray) -> IndexArray:
+    """Images (s,) of some vertices of X, by the first eigenfunctions of the distances."""
+    phi_x, phi_y = (shape.embedding(hypothesis.metric).eigenfunctions for shape in (problem.x, problem.y))
+    k = min(phi_x.shape[1], phi_y.shape[1], problem.parameters.zoomout_start)
+    functional = zoomout(phi_x, phi_y, hypothesis.p2p, hypothesis.points, [k])
+    return nearest_neighbors(phi_x[vertices, :k] @ functional, phi_y[:, :k])
+
+
 def laplacian_lift(problem: MatchProblem, hypothesis: Hypothesis, vertices: IndexArray) -> IndexArray:
     """Images (s,) of some vertices of X, by the first eigenfunctions of the Laplacian."""
     k = problem.parameters.laplacian_lift

@@ -116,15 +116,27 @@ def close_contenders(problem: MatchProblem, ranked: list[Contender]) -> list[Con
             log.drop(c.number, f"near #{kin[0].number}, of whose kind there are {given.kin_count}")
         else:
             close.append(c)
-    return close
+    if not problem.reflection:
+        return close
+    different: list[Contender] = []
+    for c in close:
+        like = next((t for t in different if _gap(problem, c, t) < given.reflection_same), None)
+        if like is None:
+            different.append(c)
+        else:
+            log.drop(c.number, f"has become the same map as #{like.number} in the preview")
+    return different
 
 
 def settled(problem: MatchProblem, close: list[Contender]) -> list[Contender]:
     """Contenders where they end, in order: registered, or guided by heat kernels from there if that costs less."""
     given = problem.parameters
     ends = registered(problem, [(c.number, c.dense.p2p) for c in close], given.coarse_to_fine)
-    again = registered(problem, [(c.number, c.dense.p2p) for c in ends], given.hks_guided)
-    best = [min(pair, key=lambda c: c.end_cost) for pair in zip(ends, again, strict=True)]
+    # Along a reflection by which heat kernels agree closely nothing is turned, and they would lead to the same end.
+    closely = given.reflection_closely_alike if problem.reflection else np.inf
+    led = [c for c in ends if c.hks_agreement < closely]
+    again = {c.number: c for c in registered(problem, [(c.number, c.dense.p2p) for c in led], given.hks_guided)}
+    best = [min(c, again.get(c.number, c), key=lambda c: c.end_cost) for c in ends]
     for c in best:
         _note(problem, c, end_cost=c.end_cost)
     return best
