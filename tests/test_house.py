@@ -35,6 +35,7 @@ FLOORS: list[list[str]] = [
         "jit",
         "memory",
         "missing_values",
+        "nested_dissection",
         "parallel",
         "sampling",
         "triangle_geometry",

@@ -60,7 +60,7 @@ class InterpolationPath:
         self._sides = frames.faces, cotangents, sides, np.einsum("tij,tsj->tsi", stretches, sides)
         self._fitting = frames.inverses, np.einsum("tij,tkj->tik", frames.inverses, stretches), frames.flat
         self._pull = _PLACING * self._shares
-        self._solve = BlockSolver(poisson_matrix(frames.faces, cotangents, self._pull))
+        self._solve = BlockSolver(poisson_matrix(frames.faces, cotangents, self._pull), start.vertices)
 
     def __call__(self, t: float) -> FloatArray:
         """Positions (n, 3) at time t: at 0 and 1 the two poses; beyond them the motion goes on."""

@@ -43,7 +43,7 @@ class PoissonSolver:
         self._vertices = np.ascontiguousarray(vertices)
         self._cotangents = half_cotangents(vertices, faces)
         self.pull = pull
-        self._solve = factorised_spd(poisson_matrix(self._faces, self._cotangents, pull))
+        self._solve = factorised_spd(poisson_matrix(self._faces, self._cotangents, pull), points=vertices)
 
     def __call__(self, gradients: FloatArray, targets: FloatArray) -> FloatArray:
         """Positions (n, 3) for gradients (m, 3, 3) and targets (n, 3)."""

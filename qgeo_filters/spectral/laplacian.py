@@ -76,7 +76,7 @@ def _spectrum(surface: Surface, k: int) -> Spectrum:
     symmetric = scale @ stiffness @ scale
     # The smallest eigenvalues are the largest of the inverse, moved off zero.
     moved = (symmetric + _SHIFT * sparse.eye_array(n)).tocsc()
-    solve = factorised_spd(moved)
+    solve = factorised_spd(moved, points=surface.vertices)
     inverse = LinearOperator((n, n), matvec=solve, matmat=solve, dtype=np.float64)
     inverted, vectors = largest_eigenpairs(inverse, k)
     # The smallest is zero and comes out as rounding of either sign.
