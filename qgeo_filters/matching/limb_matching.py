@@ -12,7 +12,7 @@ from qgeo_filters.matching.initialization.upsampling import laplacian_lift
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.search import Found
 from qgeo_filters.matching.selection.cost import Contender, registered
-from qgeo_filters.matching.selection.decision import Decision, decided_among, settled
+from qgeo_filters.matching.selection.decision import Decision, decided_among, note_costs, settled
 from qgeo_filters.matching.symmetry import reflection_of
 
 
@@ -52,6 +52,7 @@ def _settled_limb_maps(problem: MatchProblem, mirror_x: IndexArray, mirror_y: In
         previews = sorted(registered(problem, maps, given.preview, points), key=lambda c: c.cost)
         close = [c for c in previews if c.cost <= given.limb_close_ratio * previews[0].cost][: given.limb_close_count]
         for c in previews:
+            note_costs(problem, c, preview_cost=c.cost)
             if c not in close:
                 problem.log.drop(c.number, "among the matchings of limbs others cost less in the preview")
         return settled(problem, close)
@@ -68,9 +69,12 @@ def _turned_round(problem: MatchProblem, back: list[Contender]) -> list[Contende
             problem.log.drop(c.number, "from Y to X others cost less")
     maps = [(c.number, turned_round(problem.swapped(), c.dense).p2p) for c in cheapest]
     try:
-        return registered(problem, maps, given.coarse_to_fine)
+        ends = registered(problem, maps, given.coarse_to_fine)
     finally:
         problem.x.arap.release()
+    for c in ends:
+        note_costs(problem, c, end_cost=c.end_cost)
+    return ends
 
 
 def _is_doubtful(problem: MatchProblem, decision: Decision) -> bool:

@@ -77,9 +77,12 @@ class MatchLog:
         return len(self.maps) - 1
 
     def note(self, number: int, **values: float) -> None:
-        """Set what was measured of a map."""
+        """Set what was measured of a map; one whose cost at the end is known is in the race again."""
+        entry = self.maps[number]
         for name, value in values.items():
-            setattr(self.maps[number], name, value)
+            setattr(entry, name, value)
+        if "end_cost" in values and entry.fate != CHOSEN:
+            entry.fate = IN_THE_RACE
 
     def drop(self, number: int, rule: str) -> None:
         """Say which rule ended a map; the first one stands."""

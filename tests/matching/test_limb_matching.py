@@ -119,6 +119,8 @@ def test_a_wrong_map_gives_way_to_the_right_one() -> None:
     chosen = of.log.chosen
     assert chosen is not None
     assert chosen.number == better.decision.best.number
+    assert chosen.end_cost == better.decision.best.end_cost
+    assert chosen.preview_cost is not None
 
 
 def test_the_hand_that_was_found_is_kept() -> None:

@@ -175,6 +175,19 @@ def test_the_first_rule_stands() -> None:
     log.choose(first)
     log.drop(second, "another reason")
     assert [entry.fate for entry in log] == [CHOSEN, "too far"]
+
+
+def test_a_map_that_is_taken_to_the_end_after_all_is_in_the_race_again() -> None:
+    log = MatchLog()
+    first, second = log.propose("one", 0.1), log.propose("other", 0.2)
+    log.drop(second, "not among the cheapest")
+    log.note(second, preview_cost=2.0)
+    assert log[second].fate == "not among the cheapest"
+    log.note(second, end_cost=2.0)
+    log.choose(first)
+    assert log[second].fate == "costs more at the end than #0"
+    log.note(first, end_cost=1.0)
+    assert log[first].fate == CHOSEN
     assert log.chosen is log[first]
 
 

@@ -98,7 +98,7 @@ def previewed(problem: MatchProblem, pool: list[Candidate]) -> list[Contender]:
     maps = [(c.number, c.p2p) for c in tried]
     ranks = sorted(registered(problem, maps, given.preview, mapped_points(problem)), key=lambda c: c.cost)
     for contender in ranks:
-        _note(problem, contender, preview_cost=contender.cost)
+        note_costs(problem, contender, preview_cost=contender.cost)
     return ranks
 
 
@@ -139,7 +139,7 @@ def settled(problem: MatchProblem, close: list[Contender]) -> list[Contender]:
     again = {c.number: c for c in registered(problem, [(c.number, c.dense.p2p) for c in led], given.hks_guided)}
     best = [min(c, again.get(c.number, c), key=lambda c: c.end_cost) for c in ends]
     for c in best:
-        _note(problem, c, end_cost=c.end_cost)
+        note_costs(problem, c, end_cost=c.end_cost)
     return best
 
 
@@ -238,7 +238,8 @@ def _gap(problem: MatchProblem, one: Contender, other: Contender) -> float:
     return float(landmark_lower_bound(problem.y, one.dense.p2p, other.dense.p2p).mean())
 
 
-def _note(problem: MatchProblem, c: Contender, **costs: float) -> None:
+def note_costs(problem: MatchProblem, c: Contender, **costs: float) -> None:
+    """Say in the log what a contender costs, and why."""
     problem.log.note(
         c.number, mean_distortion=c.mean_distortion, strain=c.strain, torn=c.torn, folded=c.folded,
         hks_agreement=c.hks_agreement, curvature_agreement=c.curvature_agreement, **costs,
