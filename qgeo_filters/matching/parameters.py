@@ -259,10 +259,9 @@ class MatchingParameters:
     hks_compared_from: int = 1
 
     # -- the decision ----------------------------------------------------------------------------------------
-    #: Contenders that are registered to the end: at most so many, within this ratio of the least cost (right ones cost
-    #: up to 7.5 times as much: dog0-dog3 with a hole) ...
+    #: Contenders that are registered to the end: at most so many, within this ratio of the least cost (choice) ...
     close_count: int = 4
-    close_ratio: float = 10.0
+    close_ratio: float = 6.0
     #: ... and of those whose images are this near in the mean at most so many (choice).
     kin_distance: float = 0.1
     kin_count: int = 2
@@ -277,8 +276,6 @@ class MatchingParameters:
     #: ``preview_ratio`` of reflections: one that leaves limbs in place keeps distances better than the right one does
     #: in an uneven pose, and is dropped for it only if that one is tried (symmetry: victoria2 needs 2.0).
     reflection_preview_ratio: float = 2.5
-    #: The same of ``close_ratio`` (symmetry).
-    reflection_close_ratio: float = 6.0
     #: Hypotheses that keep the orientation are not grown: those below this, over so many triangles (symmetry: 200 of
     #: 552, every third shape, all of which were at -.18 or below once they had grown).
     rough_orientation: float = -0.3

@@ -105,12 +105,11 @@ def previewed(problem: MatchProblem, pool: list[Candidate]) -> list[Contender]:
 def close_contenders(problem: MatchProblem, ranked: list[Contender]) -> list[Contender]:
     """Those whose cost in the preview is near the least, not too many of one kind."""
     given, log = problem.parameters, problem.log
-    ratio = given.reflection_close_ratio if problem.reflection else given.close_ratio
     close: list[Contender] = []
     for c in ranked:
         kin = [t for t in close if _gap(problem, c, t) < given.kin_distance]
-        if c.cost > ratio * ranked[0].cost:
-            log.drop(c.number, f"costs more than {ratio:g} times the least in the preview")
+        if c.cost > given.close_ratio * ranked[0].cost:
+            log.drop(c.number, f"costs more than {given.close_ratio:g} times the least in the preview")
         elif len(close) == given.close_count:
             log.drop(c.number, f"not among the {given.close_count} cheapest in the preview")
         elif len(kin) >= given.kin_count:
