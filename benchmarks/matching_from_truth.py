@@ -18,9 +18,10 @@ from record import Record, machine, recorded
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
 from qgeo_filters.evaluation.datasets import PointMap
 from qgeo_filters.matching.maps.functional_map import nearest_neighbors, zoomout
-from qgeo_filters.matching.parameters import COARSE_TO_FINE, FINAL, MatchingParameters
+from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.problem import MatchProblem
+from qgeo_filters.matching.registration_stages import COARSE_TO_FINE, FINAL
 from qgeo_filters.matching.schedule import Schedule
 from qgeo_filters.matching.smooth_shells import register
 

@@ -18,7 +18,8 @@ from record import Record, recorded
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import ToscaRemeshed, geodesic_error
-from qgeo_filters.matching.parameters import FINAL, MatchingParameters
+from qgeo_filters.matching.parameters import MatchingParameters
+from qgeo_filters.matching.registration_stages import FINAL
 
 GIVEN = MatchingParameters()
 CHOICES = {

@@ -8,7 +8,7 @@ from pathlib import Path
 from shapes import bent, creature
 
 import qgeo_filters as qg
-from qgeo_filters.matching.parameters import Stage
+from qgeo_filters.matching.registration_stages import Stage
 
 _STAGES = (Stage((20,), 0.05, 0.03, 0.05, iterations=2),)
 #: A single metric, few hypotheses, a registration of one step; whatever comes first is taken.

@@ -14,7 +14,8 @@ import numpy.typing as npt
 from qgeo_filters._typing import MirrorOption, PartialOption, RepairOption
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.fingerprint import code_digest
-from qgeo_filters.matching.parameters import MatchingParameters, Stage
+from qgeo_filters.matching.parameters import MatchingParameters
+from qgeo_filters.matching.registration_stages import Stage
 from qgeo_filters.matching.search import checked_mirror
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_repair

@@ -62,12 +62,12 @@ def _settled_limb_maps(problem: MatchProblem, mirror_x: IndexArray, mirror_y: In
 
 def _turned_round(problem: MatchProblem, back: list[Contender]) -> list[Contender]:
     """The cheapest maps from Y to X as ones from X to Y, where those end."""
-    given = problem.parameters
+    given, swapped = problem.parameters, problem.swapped()
     cheapest = sorted(back, key=lambda c: c.end_cost)[: given.limb_turned_count]
     for c in back:
         if c not in cheapest:
             problem.log.drop(c.number, "from Y to X others cost less")
-    maps = [(c.number, turned_round(problem.swapped(), c.dense).p2p) for c in cheapest]
+    maps = [(c.number, turned_round(swapped, c.dense).p2p) for c in cheapest]
     try:
         ends = registered(problem, maps, given.coarse_to_fine)
     finally:

@@ -10,7 +10,7 @@ import numpy as np
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.deformation.arap import ArapSolver, Pull, Solve
 from qgeo_filters.matching.level import Level, LevelPair
-from qgeo_filters.matching.parameters import Stage, Stages
+from qgeo_filters.matching.registration_stages import Stage, Stages
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,8 @@ from shapes import blob
 
 from qgeo_filters.deformation import arap
 from qgeo_filters.matching.correspondence import match
-from qgeo_filters.matching.parameters import COARSE_TO_FINE, FINAL, HKS_GUIDED, PREVIEW, Stages
 from qgeo_filters.matching.problem import MatchProblem
+from qgeo_filters.matching.registration_stages import COARSE_TO_FINE, FINAL, HKS_GUIDED, PREVIEW, Stages
 from qgeo_filters.matching.schedule import Schedule
 from qgeo_filters.matching.selection import cost
 from qgeo_filters.matching.smooth_shells import register

@@ -17,8 +17,8 @@ from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
 from qgeo_filters.deformation.arap import Pull, Solve
 from qgeo_filters.matching.known_parts import KnownParts
 from qgeo_filters.matching.maps.functional_map import nearest_neighbors_both_ways
-from qgeo_filters.matching.parameters import Stage
 from qgeo_filters.matching.partial.part_shape import PartShape
+from qgeo_filters.matching.registration_stages import Stage
 
 # Relative to the mean diagonal.
 _RIDGE = 1e-6

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from qgeo_filters.matching.parameters import Stage, Stages
+from qgeo_filters.matching.registration_stages import Stage, Stages
 
 #: From a coarse map of farthest points to all vertices: limbs follow from the body that they grow on, then details.
 PART_STAGES: Stages = (

@@ -8,8 +8,9 @@ import numpy as np
 
 from qgeo_filters._typing import IndexArray
 from qgeo_filters.matching.maps.map_distance import mean_distortion
-from qgeo_filters.matching.parameters import MatchingParameters, Stages
+from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.problem import MatchProblem
+from qgeo_filters.matching.registration_stages import Stages
 from qgeo_filters.matching.schedule import Schedule
 from qgeo_filters.matching.selection.signatures import curvature_agreements, hks_agreement, hks_agreements
 from qgeo_filters.matching.smooth_shells import DenseMap, register
