@@ -56,7 +56,7 @@ FLOORS: list[list[str]] = [
     ["spectral"],
     ["deformation"],
     # matching, in the order of a run
-    ["matching.registration_stages"],
+    ["matching.registration_stages", "matching.shape_parameters"],
     ["matching.parameters", "matching.match_log", "matching.hints"],
     ["matching.level", "matching.fine_shape", "matching.intrinsic_shape"],
     ["matching.prepared_shape"],

@@ -1,4 +1,4 @@
-"""Every number that a map depends on, in one place, each with where its value was measured.
+"""Every number that a map depends on, each with where its value was measured; those of one shape in `shape_parameters`.
 
 "Tuning" is TOSCA's cat, dog and centaur (remeshed poses, `benchmarks/matching.py`), "symmetry" their shapes
 (`benchmarks/symmetry.py`), "controls" the bodies with and without a left and right of
@@ -8,14 +8,14 @@ and times of heat fractions of the area. `dataclasses.replace(MatchingParameters
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
-from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.matching.registration_stages import COARSE_TO_FINE, FINAL, HKS_GUIDED, PREVIEW, Stages
+from qgeo_filters.matching.shape_parameters import ShapeParameters
 
 
 @dataclass(frozen=True)
-class MatchingParameters:
+class MatchingParameters(ShapeParameters):
     """What `match` and `self_symmetry` go by; the defaults are what every figure of the README was measured with.
 
     Examples
@@ -27,33 +27,6 @@ class MatchingParameters:
     >>> replace(default, search_vertices=1000).search_vertices
     1000
     """
-
-    # -- of one shape (`PreparedShape`); two shapes must have been prepared with the same --------------------
-    #: Weights of mean curvature in the metrics that propose maps: the surface's own and two lifted ones, whose
-    #: proposals differ (tuning). The last is that of the paper's functions.
-    curvature_weights: tuple[float, ...] = (0.0, 0.03, CURVATURE_WEIGHT)
-    #: Vertices of the proxies between which maps are sought, and of those at which they are finished; from there they
-    #: are carried to all vertices (benchmarks/README.md, "From coarse to fine").
-    search_vertices: int = 2000
-    registration_vertices: int = 4000
-    #: Times of heat: a paw, a limb and a half of the shape (tuning).
-    hks_times: tuple[float, ...] = (0.003, 0.01, 0.03)
-    #: Times of heat over which mean curvature is smoothed: a nose, and a breast or a muzzle (choice).
-    curvature_times: tuple[float, float] = (0.0003, 0.001)
-    #: Curvatures beyond this, in 1 / sqrt(area), are those of fingers, ears and noise (as before).
-    curvature_limit: float = 30.0
-    #: Eigenfunctions of the distances and of the Laplacian: more did not help (tuning).
-    distance_functions: int = 60
-    laplacian_functions: int = 200
-    #: Residual of the last of them, relative; the first 20 come out as exact as float32 distances.
-    eigen_tolerance: float = 1e-3
-    #: Eigenfunctions that a result reports: the paper's k0.
-    spectrum_functions: int = 20
-    #: Farthest points; those whose distances to all vertices are kept (memory is this times n).
-    fps_count: int = 2000
-    fps_rows: int = 800
-    #: Fewest vertices of a shape: the search needs more points than eigenfunctions.
-    minimum_vertices: int = 60
 
     # -- the first attempt ------------------------------------------------------------------------------------
     #: Whether maps are sought in the last metric only, without mirrored ones and with fewer points, at first: all the
@@ -340,12 +313,3 @@ class MatchingParameters:
             zoomout_points=self.quick_candidate_points,
             registration_points=self.quick_registration_points,
         )
-
-    def of_shape(self) -> dict[str, object]:
-        """The parameters that a `PreparedShape` depends on, by name."""
-        return {name: getattr(self, name) for name in _OF_SHAPE}
-
-
-# The fields of the first section.
-_NAMES = tuple(field.name for field in fields(MatchingParameters))
-_OF_SHAPE = _NAMES[: _NAMES.index("quick")]
