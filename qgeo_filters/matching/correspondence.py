@@ -188,7 +188,7 @@ def match(
         _next(bar, 1, "search")
         choice = robust_to_shortcuts(problem, with_limbs_matched(problem, chosen_map(problem, mirror)))
         _next(bar, 2, "register")
-        dense = finished(problem.with_mirrored_y() if choice.mirrored else problem, choice.decision.best.dense)
+        dense = finished(problem.with_mirrored_y() if choice.mirrored else problem, choice.decision.best.to_finish)
         _next(bar, 3, "matched")
         found = described(problem, choice, dense, mirror)
         if partial == "auto" and mirror != "yes":
@@ -226,9 +226,12 @@ def described(problem: MatchProblem, choice: Found, dense: DenseMap, mirror: Mir
     turned = orientation(x.oriented, y.oriented, p2p)
     coarse = y.vertex_of_full[p2p[x.full_vertices]]
     alike = hks_agreement(problem, coarse)
+    # Where a limb is unlike the one that it corresponds to, the map with it elsewhere says how alike the rest is.
+    rest = decision.best.hks_agreement if decision.best.in_place else alike
     confident, explanation = verdict(
-        problem.parameters, score, turned, alike, decision.margin, decision.contrary, problem.more_handles != 0
-    )
+        problem.parameters, score, turned, max(alike, rest), decision.margin, decision.contrary,
+        problem.more_handles != 0,
+    )  # fmt: skip
     confident, explanation = with_hand(problem, choice, mirror, confident, explanation)
     confident, explanation = with_hints(problem, coarse, decision.unhinted, confident, explanation)
     confident, explanation = with_sides({"X": x.winding, "Y": y.winding}, confident, explanation)

@@ -73,7 +73,7 @@ def match_from(
             problem.x.arap.release()
         mirrored = turned is not problem
         decision = Decision(best, margin, runner_up)
-        dense = finished(turned, best.dense)
+        dense = finished(turned, best.to_finish)
         found = described(problem, Found(decision, mirrored), dense, "yes" if mirrored else "no")
         return match_on_given(found, problem.x, problem.y)
 

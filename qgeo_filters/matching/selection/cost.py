@@ -46,6 +46,9 @@ class Contender:
         In the log of the problem.
     penalty : float
         By which both costs were multiplied for what the map does to the hints; 1 without any.
+    in_place : DenseMap, optional
+        The map before heat kernels led a part of it elsewhere, if the deformation costs less there: a slender tail and
+        a stout one correspond although they are unlike.
     """
 
     dense: DenseMap
@@ -59,6 +62,12 @@ class Contender:
     end_cost: float
     number: int
     penalty: float = 1.0
+    in_place: DenseMap | None = None
+
+    @property
+    def to_finish(self) -> DenseMap:
+        """The map that is registered to the end."""
+        return self.in_place or self.dense
 
     @property
     def unhinted_cost(self) -> float:

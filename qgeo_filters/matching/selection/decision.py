@@ -136,10 +136,23 @@ def settled(problem: MatchProblem, close: list[Contender]) -> list[Contender]:
     closely = given.reflection_closely_alike if problem.reflection else np.inf
     led = [c for c in ends if c.hks_agreement < closely]
     again = {c.number: c for c in registered(problem, [(c.number, c.dense.p2p) for c in led], given.hks_guided)}
-    best = [min(c, again.get(c.number, c), key=lambda c: c.end_cost) for c in ends]
+    best = [led_by_kernels(problem, c, again[c.number]) if c.number in again else c for c in ends]
     for c in best:
         note_costs(problem, c, end_cost=c.end_cost)
     return best
+
+
+def led_by_kernels(problem: MatchProblem, contender: Contender, led: Contender) -> Contender:
+    """The cheaper of a contender and what heat kernels made of it.
+
+    They may lead a limb to another that is as stout as it is. The relief agrees there, too, but the deformation tells:
+    it strains, tears or folds more. What that contender costs is still that of the shapes at their most alike; of two
+    different maps the right one need not be the one whose limbs are in place.
+    """
+    if led.end_cost >= contender.end_cost:
+        return contender
+    astray = not problem.reflection and led.cost > contender.cost and _are_different(problem, contender, led)
+    return replace(led, in_place=contender.dense) if astray else led
 
 
 def _settled(problem: MatchProblem, ranked: list[Contender], apart: float) -> Decision:
@@ -230,6 +243,10 @@ def _with_parts_turned(problem: MatchProblem, best: Contender) -> Contender:
 
 def _differ(problem: MatchProblem, one: Candidate, other: Candidate) -> bool:
     return are_different(landmark_lower_bound(problem.y, one.p2p, other.p2p), problem.parameters)
+
+
+def _are_different(problem: MatchProblem, one: Contender, other: Contender) -> bool:
+    return are_different(landmark_lower_bound(problem.y, one.dense.p2p, other.dense.p2p), problem.parameters)
 
 
 def _gap(problem: MatchProblem, one: Contender, other: Contender) -> float:
