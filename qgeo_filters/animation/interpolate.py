@@ -10,7 +10,7 @@ from tqdm.auto import tqdm
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.animation.places import MapLike, Places, places_on, warned
-from qgeo_filters.animation.poses import laid_onto, same_triangles
+from qgeo_filters.animation.poses import given_pose, laid_onto, same_triangles
 from qgeo_filters.animation.sequence import Animation
 from qgeo_filters.deformation.interpolation import InterpolationPath
 from qgeo_filters.errors import ParameterError, concerning
@@ -118,7 +118,7 @@ def _end(
     """Positions of the vertices of X in the pose of Y, what was left out of Y, and the map, unless it is one to one."""
     surface, left = as_given(pose, "auto")
     if given is None and same_triangles(start, surface):
-        return surface.vertices, left, None
+        return given_pose(start, pose), left, None
     places = places_on(surface, start, given, accept_unsure)
     if np.array_equal(places.on_x.pulled_back(surface.vertices), surface.vertices):
         return surface.vertices, left, places

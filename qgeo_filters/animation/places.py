@@ -13,12 +13,18 @@ import numpy.typing as npt
 from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.matching.correspondence import match
+from qgeo_filters.matching.maps.orientation import orientation
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_indices
 
 #: What this floor takes for a map: a match in either direction; for each vertex of Y a point of X, or a vertex.
 MapLike: TypeAlias = MatchResult | BarycentricMap | npt.ArrayLike
+
+
+_REVERSED = "the map reverses the orientation, as that of a left hand onto a right one: reflect one of the shapes first"
+# Mean cosine of normals, see `orientation`, below which a map that was given reverses it: a mirrored one has -.7.
+_TURNED_OVER = -0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,11 +87,9 @@ def _of_match(x: Surface, y: Surface, found: MatchResult, accept_unsure: bool) -
             f"the match is one of {found.x.n_vertices} and {found.y.n_vertices} vertices, "
             f"the shapes have {x.n_vertices} and {y.n_vertices}"
         )
-    if found.orientation < 0:
-        raise ParameterError(
-            "the map reverses the orientation, as that of a left hand onto a right one: reflect one of the shapes first"
-        )
     doubt = "" if found.confident else f"the correspondence is not sure: {found.explanation}"
+    if found.orientation < 0:
+        raise ParameterError(f"{_REVERSED}{'; and ' if doubt else ''}{doubt}")
     if doubt and not accept_unsure:
         raise ParameterError(f"{doubt}. Look at it, give landmarks to match, or say accept_unsure=True")
     return Places(_checked(x, y, place), found, found.repairs, (doubt,) if doubt else ())
@@ -103,4 +107,15 @@ def _checked(x: Surface, y: Surface, place: BarycentricMap) -> BarycentricMap:
         )
     if (place.faces < 0).all():
         raise ParameterError("no vertex of Y has a partner on X")
+    if _turns_over(x, y, place):
+        raise ParameterError(_REVERSED)
     return place
+
+
+def _turns_over(x: Surface, y: Surface, place: BarycentricMap) -> bool:
+    """Whether a map of all vertices of Y takes its outside to the inside of X, both known."""
+    sides = {x.winding, y.winding}
+    if (place.faces < 0).any() or not sides <= {"outward", "inward"}:
+        return False
+    sign = 1 if len(sides) == 1 else -1
+    return sign * orientation(y, x, place.nearest_corner) < _TURNED_OVER

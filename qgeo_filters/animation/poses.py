@@ -14,11 +14,12 @@ from qgeo_filters.array_likes import as_array, is_tensor
 from qgeo_filters.closest_points import closest_points
 from qgeo_filters.deformation.pose import posed
 from qgeo_filters.errors import ParameterError, concerning
-from qgeo_filters.hosts.dispatch import as_given
+from qgeo_filters.hosts.dispatch import as_given, raw_mesh
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.sampling import farthest_in_embedding
 from qgeo_filters.surface import Surface
+from qgeo_filters.triangle_geometry import face_crosses
 
 # Below which a scan's shape is that of its reference rather than the scan's own, in sqrt(area).
 _SCAN_LENGTH = 0.03
@@ -26,6 +27,8 @@ _SCAN_LENGTH = 0.03
 _NEXT, _MARKS = 0.05, 24
 # Least share of the triangles that poses have in common with their reference, some edges flipped.
 _COMMON = 0.9
+# Share of its volume at rest, with the other sign, from which a pose is inside out: limbs that cross take far less.
+_INSIDE_OUT = 0.5
 
 
 def given_poses(reference: Surface, poses: Any) -> Iterator[FloatArray]:
@@ -39,7 +42,8 @@ def given_poses(reference: Surface, poses: Any) -> Iterator[FloatArray]:
     Raises
     ------
     ParameterError
-        Positions of another number of vertices, or not finite; a mesh of other triangles; no pose at all.
+        Positions of another number of vertices, not finite, all in one place, or those of a mirror image; a mesh of
+        other triangles; no pose at all.
     """
     count = 0
     for count, pose in enumerate(_listed(poses), start=1):
@@ -111,6 +115,8 @@ def _listed(poses: Any) -> Iterable[Any]:
     if isinstance(poses, (Surface, str, tuple)) or hasattr(poses, "__fspath__"):
         raise ParameterError("poses must be a sequence: put a single one into a list")
     given: Any = as_array(poses) if is_tensor(poses) else poses
+    if not isinstance(given, (Iterable, np.ndarray)):
+        raise ParameterError(f"poses must be a sequence of arrays, meshes and paths, got {type(given).__name__}")
     if isinstance(given, np.ndarray) and given.ndim == 2:
         raise ParameterError(f"poses must have shape (k, n, 3), got {given.shape}: put a single one into a list")
     listed: Iterable[Any] = given
@@ -121,10 +127,11 @@ def given_pose(reference: Surface, pose: Any) -> FloatArray:
     """Positions (n, 3) of the reference's vertices in one pose, as `given_poses` takes it."""
     if isinstance(pose, (np.ndarray, list)) or is_tensor(pose):
         return _checked(reference, pose)
-    surface, _ = as_given(pose, "auto")
+    surface, left = as_given(pose, "auto")
     if surface.n_vertices == reference.n_vertices and not same_triangles(reference, surface):
         raise ParameterError("as many vertices as the reference, but other triangles: scans=True matches it first")
-    return _checked(reference, surface.vertices)
+    # What the repair left out has been given some place, which is none of the pose.
+    return _checked(reference, raw_mesh(pose, repair=True).vertices if left else surface.vertices)
 
 
 def _checked(reference: Surface, positions: npt.ArrayLike) -> FloatArray:
@@ -136,8 +143,23 @@ def _checked(reference: Surface, positions: npt.ArrayLike) -> FloatArray:
         )
     lost = np.flatnonzero(~np.isfinite(array).all(axis=1))
     if lost.size:
-        raise ParameterError(f"{lost.size} vertices are not finite, the first is {lost[0]}")
+        raise ParameterError(f"{lost.size} of {len(array)} vertices are not finite, the first is {lost[0]}")
+    if not np.ptp(array, axis=0).any():
+        raise ParameterError("all vertices are in one place")
+    if reference.winding in ("outward", "inward"):
+        rest, now = (_volume(places, reference.faces) for places in (reference.vertices, array))
+        if now * np.sign(rest) < -_INSIDE_OUT * abs(rest):
+            raise ParameterError("inside out, as a mirror image of the reference is: reflect one of the two first")
     return array
+
+
+def _volume(positions: FloatArray, faces: npt.NDArray[np.int32]) -> float:
+    """Volume within, with its sign, over area^(3/2); holes are closed from the mean of the corners."""
+    corners = positions[faces]
+    crosses = face_crosses(positions, faces)
+    area = 0.5 * np.linalg.norm(crosses, axis=1).sum()
+    volume = np.einsum("ij,ij->", corners[:, 0] - corners.mean(axis=(0, 1)), crosses) / 6
+    return float(volume / area**1.5) if area > 0 else 0.0
 
 
 def _marks(reference: Surface, before: FloatArray, scan: Surface) -> tuple[FloatArray, FloatArray] | None:

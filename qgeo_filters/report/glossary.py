@@ -59,10 +59,10 @@ _MEANINGS = {
     "maps": "how the poses were brought together",
     "frames": "poses in the animation",
     "apart": f"how far the shapes stand apart in the pose that they share, {_PER_AREA}",
-    "mean_edge_change": "mean relative change of the lengths of edges from the first frame: 0 where it only bends",
+    "mean_edge_change": "mean relative change of the lengths of edges from those at rest: 0 where it only bends",
     "mean_edge_change_of_x": "the same of X, which is followed",
     "largest_mean_edge_change": "the same in the worst frame",
-    "folded_edges": "edges at which the surface lies folded onto itself and did not before, over all frames",
+    "folded_edges": "edges at which the surface lies folded onto itself and does not at rest, over all frames",
     "notes": "what was done beside what was asked for",
     "left_out": "files that could not be used, and why",
     # meshes

@@ -47,6 +47,12 @@ def test_what_cannot_be_is_refused(fine: Surface, coarse: Surface) -> None:
     ]:
         with pytest.raises(qg.ParameterError, match=said):
             qg.interpolate(fine, fine, t)
+    lost = fine.vertices.copy()
+    lost[7] = np.nan
+    with pytest.raises(qg.ParameterError, match="pose 1: 1 of 642 vertices are not finite, the first is 7"):
+        qg.interpolate(fine, [fine, (lost, fine.faces)], 0.5)
+    with pytest.raises(qg.ParameterError, match="pose 0: inside out, as a mirror image"):
+        qg.interpolate(fine, fine.with_vertices(fine.vertices * [-1, 1, 1]), 0.5)
     with pytest.raises(qg.ParameterError, match="empty list"):
         qg.interpolate(fine, [], 0.5)
     with pytest.raises(qg.ParameterError, match="one correspondence for each of the 2 poses, got 1"):

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from shapes import arched
 
 import qgeo_filters as qg
+from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.closest_points import closest_points
 from qgeo_filters.surface import Surface
 
@@ -169,8 +170,13 @@ def test_poses_that_do_not_fit_are_refused(fine: Surface, coarse: Surface, poses
         ([poses[0], poses[0][:-1]], r"pose 1: positions of shape \(641, 3\).*642 vertices"),
         ([coarse], "pose 0: .*642 vertices; scans=True"),
         ([other], "pose 0: as many vertices as the reference, but other triangles"),
-        ([lost], "pose 0: 2 vertices are not finite, the first is 7"),
+        ([lost], "pose 0: 2 of 642 vertices are not finite, the first is 7"),
+        ([(lost, fine.faces)], "pose 0: 2 of 642 vertices are not finite, the first is 7"),
+        ([poses[0], poses[0] * [-1, 1, 1]], "pose 1: inside out, as a mirror image"),
+        ([fine.with_vertices(-placed(poses[0]))], "pose 0: inside out, as a mirror image"),
+        ([np.zeros_like(poses[0])], "pose 0: all vertices are in one place"),
         ([], "no poses"),
+        (None, "sequence of arrays, meshes and paths, got NoneType"),
         (poses[0], "put a single one into a list"),
         (fine, "put a single one into a list"),
     ]:
@@ -188,10 +194,43 @@ def test_maps_of_other_shapes_are_refused(
         (closest_points(fine.vertices, fine), "642 points"),
         (dataclasses.replace(found, x=coarse), "the match is one of 321 and 321 vertices"),
         (dataclasses.replace(found, orientation=-0.8), "reflect one of the shapes"),
+        (
+            dataclasses.replace(found, orientation=-0.8, confident=False, explanation="too alike"),
+            "reflect one of the shapes first; and the correspondence is not sure: too alike",
+        ),
         (dataclasses.replace(found, confident=False, explanation="too alike"), "not sure: too alike.*accept_unsure"),
     ]:
         with pytest.raises(qg.QgeoError, match=said):
             qg.transfer_deformation(fine, poses, coarse, given)
+
+
+@pytest.mark.parametrize("turned_over", [False, True])
+def test_a_mirrored_map_that_is_given_is_refused(fine: Surface, poses: list[np.ndarray], turned_over: bool) -> None:
+    """Onto the mirror image, whichever side its triangles take for out; the same map of unmirrored shapes is taken."""
+    faces = fine.faces[:, ::-1] if turned_over else fine.faces
+    same = np.arange(fine.n_vertices)
+    mirrored = Surface(fine.vertices * [-1, 1, 1], faces)
+    for place in (same, BarycentricMap.at_vertices(same, fine.faces, fine.n_vertices)):
+        for call in (
+            lambda place=place: qg.transfer_deformation(fine, poses, mirrored, place),
+            lambda place=place: qg.transfer_pose(fine, mirrored, place),
+            lambda place=place: qg.interpolate(mirrored, fine, 0.5, place),
+        ):
+            with pytest.raises(qg.ParameterError, match="reverses the orientation"):
+                call()
+    other = Surface(placed(fine.vertices), faces)
+    moved = qg.transfer_deformation(fine, poses, other, same)
+    np.testing.assert_allclose(moved.positions, [placed(pose) for pose in poses], atol=1e-3)
+
+
+def test_an_open_sheet_may_bend_the_other_way() -> None:
+    """It has no inside: its pose is no mirror image of it."""
+    grid = np.stack(np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 9), indexing="ij"), axis=-1).reshape(-1, 2)
+    corner = np.arange(81).reshape(9, 9)
+    a, b, c, d = corner[:-1, :-1].ravel(), corner[1:, :-1].ravel(), corner[1:, 1:].ravel(), corner[:-1, 1:].ravel()
+    bowl = Surface(np.c_[grid, 0.3 * (grid**2).sum(axis=1)], np.r_[np.c_[a, b, c], np.c_[a, c, d]])
+    moved = qg.transfer_deformation(bowl, [bowl.vertices * [1, 1, -1]], bowl, np.arange(81), align=False)
+    np.testing.assert_allclose(moved.positions[0], bowl.vertices * [1, 1, -1], atol=1e-6)
 
 
 def test_a_doubtful_map_is_taken_if_one_is_told_so_and_warned_of(

@@ -73,6 +73,24 @@ def test_poses_that_cannot_be_used_are_named_and_the_rest_goes_on(
     np.testing.assert_array_equal(arrays["positions"], loaded(Path("alone"))[1]["positions"])
 
 
+def test_lost_coordinates_and_mirror_images_are_named(qgeo: Qgeo, loaded: Loaded, folder: Path) -> None:
+    """One NaN in an OBJ file, and a pose that was exported with an axis turned."""
+    X.write(folder / "walk" / "3.obj")
+    lines = (folder / "walk" / "3.obj").read_text().splitlines()
+    first = next(k for k, line in enumerate(lines) if line.startswith("v "))
+    lines[first + 5] = "v nan 0 0"
+    (folder / "walk" / "3.obj").write_text("\n".join(lines) + "\n")
+    X.with_vertices(X.vertices * [1, -1, 1]).write(folder / "walk" / "4.ply")
+    result = qgeo("transfer", "walk", "--onto", "other.ply", "--no-pictures", "-q")
+    assert result.exit_code == 1
+    assert result.stderr.splitlines() == [
+        "qgeo: walk/3.obj: 1 of 162 vertices are not finite, the first is 5",
+        "qgeo: walk/4.ply: inside out, as a mirror image of the reference is: reflect one of the two first",
+        "qgeo: 2 of 4 poses have no results",
+    ]
+    assert loaded(Path("qgeo-out/transfer-0-other"))[0]["results"]["frames"] == 2
+
+
 def test_without_a_good_pose_there_is_no_result(qgeo: Qgeo, folder: Path) -> None:
     for number in (2, 10):
         (folder / "walk" / f"{number}.ply").write_text("no mesh")
