@@ -13,6 +13,7 @@ from qgeo_filters.matching.finish import at_full_resolution, finished
 from qgeo_filters.matching.given_vertices import match_on_given
 from qgeo_filters.matching.hints import LabelPair, LandmarkPairs
 from qgeo_filters.matching.limb_matching import with_limbs_matched
+from qgeo_filters.matching.limb_verdict import with_limbs
 from qgeo_filters.matching.maps.barycentric import barycentric_map
 from qgeo_filters.matching.maps.functional_map import functional_map
 from qgeo_filters.matching.maps.orientation import orientation
@@ -232,6 +233,7 @@ def described(problem: MatchProblem, choice: Found, dense: DenseMap, mirror: Mir
         problem.parameters, score, turned, max(alike, rest), decision.margin, decision.contrary,
         problem.more_handles != 0,
     )  # fmt: skip
+    confident, explanation = with_limbs(problem, coarse, confident, explanation)
     confident, explanation = with_hand(problem, choice, mirror, confident, explanation)
     confident, explanation = with_hints(problem, coarse, decision.unhinted, confident, explanation)
     confident, explanation = with_sides({"X": x.winding, "Y": y.winding}, confident, explanation)
