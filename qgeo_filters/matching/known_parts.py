@@ -34,6 +34,8 @@ class KnownParts:
     to_x, to_y : (k + l, n_x), (k + l, n_y) float32
         Distance from each part to each vertex, in sqrt(area).
     parameters : MatchingParameters
+    merged : int
+        1 where X may have grown together with itself, so that distances on it may be shorter, -1 where Y may; else 0.
     """
 
     landmarks: IndexArray
@@ -41,6 +43,7 @@ class KnownParts:
     to_x: SingleArray
     to_y: SingleArray
     parameters: MatchingParameters
+    merged: int = 0
 
     @classmethod
     def of(cls, hints: Hints, x: PreparedShape, y: PreparedShape, parameters: MatchingParameters) -> KnownParts:
@@ -104,24 +107,38 @@ class KnownParts:
 
     def swapped(self) -> KnownParts:
         """The same parts, of Y and X."""
-        return replace(self, landmarks=self.landmarks[:, ::-1], to_x=self.to_y, to_y=self.to_x)
+        return replace(self, landmarks=self.landmarks[:, ::-1], to_x=self.to_y, to_y=self.to_x, merged=-self.merged)
 
     @cached_property
     def profiles(self) -> tuple[SingleArray, SingleArray]:
         """Distances (n_x, k + l) and (n_y, k + l) from all parts, saturated: far away they tell nothing.
 
         Of shapes that do not keep distances exactly those far from a landmark are not to be moved by it, and a wrong
-        landmark pulls no more than this.
+        landmark pulls no more than this. Where a hand has grown onto a leg, the leg is near what the hand is near.
         """
         given = self.parameters
-        one, other = (-given.hint_reach * np.expm1(-to.T / given.hint_reach) for to in (self.to_x, self.to_y))
+        reach = given.grown_hint_reach if self.merged else given.hint_reach
+        one, other = (-reach * np.expm1(-to.T / reach) for to in (self.to_x, self.to_y))
         return one.astype(np.float32), other.astype(np.float32)
 
     def _error(self, part: int, points: IndexArray, p2p: IndexArray) -> FloatArray:
         given, here = self.parameters, self.to_x[part, points]
+        if self.merged > 0:
+            return self._error_from_merged(here, self.to_y[part][p2p])
         near = np.flatnonzero(here <= max(given.hint_surroundings, float(here.min())))
         farther = self.to_y[part][p2p[..., near]] - here[near]
         return np.maximum(farther - given.hint_softness, 0.0).mean(axis=-1, dtype=np.float64)
+
+    def _error_from_merged(self, here: SingleArray, there: SingleArray) -> FloatArray:
+        """The same where X has grown together: points of it may be near that were not, so those near on Y are asked.
+
+        And how far from the partner the nearest image is.
+        """
+        given, least = self.parameters, there.min(axis=-1)
+        near = there <= np.maximum(given.hint_surroundings, least)[..., None]
+        farther = np.maximum(here - there - given.hint_softness, 0.0)
+        missed = np.maximum(least - given.hint_surroundings, 0.0)
+        return np.asarray(farther.mean(axis=-1, where=near, dtype=np.float64) + missed)
 
 
 def working_vertices(shape: PreparedShape, vertices: IndexArray) -> IndexArray:

@@ -45,6 +45,30 @@ def checked_mirror(mirror: str) -> None:
 def chosen_map(problem: MatchProblem, mirror: MirrorOption = "auto") -> Found:
     """The best map between the coarse shapes.
 
+    Where one has grown together, hints may lead the search astray: what is found without them competes.
+    """
+    found = _searched(problem, mirror)
+    if problem.known is None or not problem.more_handles:
+        return found
+    return _cheaper_for_hints(problem, found, _searched(problem.with_known(None), mirror))
+
+
+def _cheaper_for_hints(problem: MatchProblem, found: Found, other: Found) -> Found:
+    """What was found, or what was without the hints, if that costs less with what it does to them."""
+    x, best, rival = problem.x, found.decision.best, other.decision.best
+    penalty = float(problem.penalties(x.fps, rival.dense.p2p[x.fps])) ** 2
+    rival = replace(rival, cost=penalty * rival.cost, end_cost=penalty * rival.end_cost, penalty=penalty)
+    if rival.end_cost >= best.end_cost:
+        problem.log.choose(best.number)
+        return found
+    problem.log.choose(rival.number)
+    margin = min(other.decision.margin, best.end_cost / rival.end_cost)
+    return replace(other, decision=replace(other.decision, best=rival, margin=margin))
+
+
+def _searched(problem: MatchProblem, mirror: MirrorOption) -> Found:
+    """The best map that one search finds.
+
     A quick search first; where it leaves any doubt, all that there is. Shapes of which neither has a left and a right
     are matched both ways, since one may be the mirror image of the other.
     """

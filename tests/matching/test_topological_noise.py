@@ -6,16 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from grown_body import body, grown
+from grown_body import LIMBS, body, grown
 
 from qgeo_filters.evaluation import geodesic_error
+from qgeo_filters.matching.known_parts import KnownParts
 from qgeo_filters.matching.match_log import CHOSEN
+from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.partial.distance_bounds import distance_bounds
 from qgeo_filters.matching.partial.part_shape import PartShape
 from qgeo_filters.matching.partial.partial_parameters import PartialParameters
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.schedule import Schedule
-from qgeo_filters.matching.search import Found
+from qgeo_filters.matching.search import Found, chosen_map
 from qgeo_filters.matching.selection.cost import measured
 from qgeo_filters.matching.selection.decision import Decision
 from qgeo_filters.matching.smooth_shells import register
@@ -39,6 +41,16 @@ def found(of: MatchProblem, p2p: np.ndarray, margin: float) -> Found:
     of.log.choose(number)
     dense = register(of, p2p, Schedule.of(of, of.parameters.coarse_to_fine))
     return Found(Decision(measured(of, dense, number), margin, 0.1), False)
+
+
+def tips() -> list[int]:
+    """Ends of the two limbs that have grown together."""
+    return [int((body().vertices @ np.array(limb)).argmax()) for limb in LIMBS[:2]]
+
+
+def with_landmarks(with_handle: bool, *pairs: tuple[int, int]) -> MatchProblem:
+    shapes = (grown(), body()) if with_handle else (body(), grown())
+    return MatchProblem.of(*shapes, landmarks=pairs)
 
 
 def error(of: MatchProblem, p2p: np.ndarray) -> float:
@@ -118,3 +130,72 @@ def test_what_hints_did_to_the_choice_is_known_of_places_too() -> None:
     better = robust_to_shortcuts(given, found(given, turned_about(2), 1.2))
     assert error(given, better.decision.best.dense.p2p) < 0.03
     assert better.decision.unhinted < better.decision.margin  # its rivals contradict the landmark, which is right
+
+
+def hand_on_leg(merged: int) -> KnownParts:
+    """A landmark on a hand, beside it the wrist, then the body, and a leg that the hand has grown onto on X."""
+    on_merged, apart = (np.array([row], dtype=np.float32) for row in ([0, 0.08, 0.5, 0.06], [0, 0.08, 0.5, 1.1]))
+    if merged < 0:
+        on_merged, apart = apart, on_merged
+    of = MatchingParameters()
+    return KnownParts(np.zeros((1, 2), np.int64), np.zeros(0, np.int64), on_merged, apart, of, merged)
+
+
+@pytest.mark.parametrize("merged", [1, -1])
+def test_a_leg_that_a_hand_has_grown_onto_does_not_contradict_a_landmark_on_the_hand(merged: int) -> None:
+    points, known = np.arange(4), hand_on_leg(merged)
+    assert known.errors(points, points) == 0
+    assert known.penalties(points, points) == 1
+    assert not known.contradicted(points).any()
+    # Hand and leg exchanged, and all of X on the body of Y.
+    swapped, shrunk = np.array([3, 2, 1, 0]), np.full(4, 2)
+    errors = known.errors(points, np.stack([points, swapped, shrunk]))[:, 0]
+    # Means of .01 and .37; nothing of X is nearer to the hand than .5, or the hand goes .45 and the wrist .37 too far.
+    np.testing.assert_allclose(errors, [0, 0.19, 0.4 if merged > 0 else 0.41], atol=1e-6)
+    assert known.contradicted(swapped).all()
+    assert known.contradicted(shrunk).all()
+    there = known.swapped()
+    assert there.merged == -merged
+    assert there.errors(points, points) == 0
+
+
+def test_registration_feels_a_landmark_only_beside_it_where_surfaces_have_grown_together() -> None:
+    """So that the leg is not drawn to the hand: its profile on both surfaces differs by less than a few edges."""
+    for merged in (1, -1):
+        one, other = hand_on_leg(merged).profiles
+        assert np.abs(one - other).max() < 0.05
+    usual = replace(hand_on_leg(1), merged=0)
+    assert np.abs(usual.profiles[0] - usual.profiles[1]).max() > 0.15
+    assert usual.errors(np.arange(4), np.arange(4)) > 0.3
+
+
+@pytest.mark.parametrize("with_handle", [True, False])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_landmarks_where_surfaces_have_grown_together_speak_against_wrong_maps(with_handle: bool, axis: int) -> None:
+    one, other = tips()
+    given = with_landmarks(with_handle, (one, one), (other, other))
+    assert given.known is not None
+    wrong = turned_about(axis)
+    assert given.known.contradicted(wrong).any()
+    assert given.penalties(np.arange(len(wrong)), wrong) > 5
+    # Several maps at once, and the problem turned round.
+    both = given.penalties(np.arange(len(wrong)), np.stack([np.arange(len(wrong)), wrong]))
+    assert both[0] == 1
+    assert both[1] == given.penalties(np.arange(len(wrong)), wrong)
+    assert given.swapped().known.merged == -given.known.merged
+
+
+def test_what_is_found_without_hints_competes_where_surfaces_have_grown_together(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The search that the landmark leads astray gives way to the other one, as long as that agrees with it."""
+    end = tips()[0]
+    given = with_landmarks(True, (end, end))
+    straight, astray = (found(given, p2p, 2.0) for p2p in (np.arange(body().n_vertices), turned_about(2)))
+    monkeypatch.setattr("qgeo_filters.matching.search._searched", lambda of, _: astray if of.known else straight)
+    chosen = chosen_map(given)
+    assert chosen.decision.best.number == straight.decision.best.number
+    assert given.log.chosen is not None
+    assert given.log.chosen.number == straight.decision.best.number
+    monkeypatch.setattr("qgeo_filters.matching.search._searched", lambda of, _: straight if of.known else astray)
+    assert chosen_map(given) is straight
