@@ -47,10 +47,10 @@ def chosen_map(problem: MatchProblem, mirror: MirrorOption = "auto") -> Found:
 
     Where one has grown together, hints may lead the search astray: what is found without them competes.
     """
-    found = _searched(problem, mirror)
+    found = searched(problem, mirror)
     if problem.known is None or not problem.more_handles:
         return found
-    return _cheaper_for_hints(problem, found, _searched(problem.with_known(None), mirror))
+    return _cheaper_for_hints(problem, found, searched(problem.with_known(None), mirror))
 
 
 def _cheaper_for_hints(problem: MatchProblem, found: Found, other: Found) -> Found:
@@ -66,7 +66,7 @@ def _cheaper_for_hints(problem: MatchProblem, found: Found, other: Found) -> Fou
     return replace(other, decision=replace(other.decision, best=rival, margin=margin))
 
 
-def _searched(problem: MatchProblem, mirror: MirrorOption) -> Found:
+def searched(problem: MatchProblem, mirror: MirrorOption) -> Found:
     """The best map that one search finds.
 
     A quick search first; where it leaves any doubt, all that there is. Shapes of which neither has a left and a right

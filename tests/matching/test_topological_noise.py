@@ -192,10 +192,10 @@ def test_what_is_found_without_hints_competes_where_surfaces_have_grown_together
     end = tips()[0]
     given = with_landmarks(True, (end, end))
     straight, astray = (found(given, p2p, 2.0) for p2p in (np.arange(body().n_vertices), turned_about(2)))
-    monkeypatch.setattr("qgeo_filters.matching.search._searched", lambda of, _: astray if of.known else straight)
+    monkeypatch.setattr("qgeo_filters.matching.search.searched", lambda of, _: astray if of.known else straight)
     chosen = chosen_map(given)
     assert chosen.decision.best.number == straight.decision.best.number
     assert given.log.chosen is not None
     assert given.log.chosen.number == straight.decision.best.number
-    monkeypatch.setattr("qgeo_filters.matching.search._searched", lambda of, _: straight if of.known else astray)
+    monkeypatch.setattr("qgeo_filters.matching.search.searched", lambda of, _: straight if of.known else astray)
     assert chosen_map(given) is straight
