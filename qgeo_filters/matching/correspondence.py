@@ -233,7 +233,7 @@ def described(problem: MatchProblem, choice: Found, dense: DenseMap, mirror: Mir
         problem.parameters, score, turned, max(alike, rest), decision.margin, decision.contrary,
         problem.more_handles != 0,
     )  # fmt: skip
-    confident, explanation = with_limbs(problem, coarse, confident, explanation)
+    confident, explanation = with_limbs(problem, coarse, alike, confident, explanation)
     confident, explanation = with_hand(problem, choice, mirror, confident, explanation)
     confident, explanation = with_hints(problem, coarse, decision.unhinted, confident, explanation)
     confident, explanation = with_sides({"X": x.winding, "Y": y.winding}, confident, explanation)
