@@ -143,7 +143,7 @@ def test_what_is_no_animation_is_a_sentence_in_the_widget(pair, walk):
         ((x.vertices, x.faces), {}, "got one tuple"),
         ([], {}, "got an empty list"),
         ([x, y], {}, "other triangles"),
-        ([x, lost], {}, "1 vertices are not finite"),
+        ([x, lost], {}, "1 of 162 vertices are not finite"),
         (walk, {"seconds": 0.0}, "seconds must be a number from 0.1 to 3600, got 0.0"),
         (walk, {"seconds": np.nan}, "seconds must be"),
         (walk, {"attribute": "weight"}, "there is no attribute 'weight' (there are: height)"),
