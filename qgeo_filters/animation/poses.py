@@ -115,7 +115,7 @@ def _listed(poses: Any) -> Iterable[Any]:
     if isinstance(poses, (Surface, str, tuple)) or hasattr(poses, "__fspath__"):
         raise ParameterError("poses must be a sequence: put a single one into a list")
     given: Any = as_array(poses) if is_tensor(poses) else poses
-    if not isinstance(given, (Iterable, np.ndarray)):
+    if not isinstance(given, Iterable):
         raise ParameterError(f"poses must be a sequence of arrays, meshes and paths, got {type(given).__name__}")
     if isinstance(given, np.ndarray) and given.ndim == 2:
         raise ParameterError(f"poses must have shape (k, n, 3), got {given.shape}: put a single one into a list")

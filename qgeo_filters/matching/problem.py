@@ -103,8 +103,7 @@ class MatchProblem:
         if not self.hints:
             return None
         known = KnownParts.of(self.hints, self.x, self.y, self.parameters)
-        known = replace(known, merged=int(np.sign(self.more_handles)))
-        return known if len(known.to_x) else None
+        return replace(known, merged=int(np.sign(self.more_handles))) if len(known.to_x) else None
 
     @property
     def profiles(self) -> tuple[SingleArray, SingleArray] | None:
