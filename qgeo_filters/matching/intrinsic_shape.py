@@ -160,12 +160,27 @@ class IntrinsicShape:
     @cached_property
     @single_threaded_blas
     def smoothed_mean_curvature(self) -> FloatArray:
-        """Mean curvature after little and more heat, (n, 2), in 1 / sqrt(area): what bulges and what is hollow."""
+        """Mean curvature after a little heat, (n,), in 1 / sqrt(area): fingers, ears, a nose."""
         limit = self.parameters.curvature_limit
         curvature = np.clip(mean_curvature(self.unit), -limit, limit)
+        return frozen(self._heated(curvature, self.parameters.curvature_time))
+
+    @cached_property
+    @single_threaded_blas
+    def relief(self) -> FloatArray:
+        """Height over the surface after more heat, along the normal, (n,), in sqrt(area): what bulges, what is hollow.
+
+        Where curvature, smoothed, knows a ball of fingers from a fist, this knows the chest from the back, of different
+        people, too (benchmarks/README.md, "What lost the right map").
+        """
+        smooth = self._heated(self.unit.vertices, self.parameters.relief_time)
+        return frozen(np.einsum("ij,ij->i", self.unit.vertices - smooth, self.unit.vertex_normals))
+
+    def _heated(self, values: FloatArray, time: float) -> FloatArray:
+        """Values at the vertices, (n,) or (n, c), after some time of heat."""
         functions = self.laplacian.astype(np.float64)
-        decay = np.exp(-np.outer(self.laplacian_spectrum.eigenvalues, self.parameters.curvature_times))
-        return frozen(functions @ (decay * (functions.T @ (self.areas * curvature))[:, None]))
+        decay = np.exp(-self.laplacian_spectrum.eigenvalues * time)
+        return np.asarray(functions @ (decay * (functions.T @ (self.areas * values.T).T).T).T)
 
     @single_threaded_blas
     def _embedded(self, place: int) -> MetricEmbedding:

@@ -26,7 +26,7 @@ class LoggedMap:
         Mean |d_X(p, q) - d_Y(Tp, Tq)| in units of sqrt(area), as last measured.
     orientation : float, optional
         See `orientation`.
-    strain, torn, folded, hks_agreement, curvature_agreement : float, optional
+    strain, torn, folded, hks_agreement, relief_agreement : float, optional
         Terms of the cost as last measured, see `Contender`; None where the map was not deformed.
     preview_cost, end_cost : float, optional
         What the map cost after its preview, and where its registration ended.
@@ -42,7 +42,7 @@ class LoggedMap:
     torn: float | None = None
     folded: float | None = None
     hks_agreement: float | None = None
-    curvature_agreement: float | None = None
+    relief_agreement: float | None = None
     preview_cost: float | None = None
     end_cost: float | None = None
     fate: str = IN_THE_RACE

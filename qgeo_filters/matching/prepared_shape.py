@@ -129,7 +129,7 @@ class PreparedShape(Level):
     def prepare(self) -> PreparedShape:
         """The same shape, with everything that matching takes from it computed now."""
         # Cached properties: looking at one computes it.
-        _ = self.spectrum, self.fps_distances, self.laplacian, self.log_hks, self.smoothed_mean_curvature
+        _ = self.spectrum, self.fps_distances, self.laplacian, self.log_hks, self.smoothed_mean_curvature, self.relief
         _ = self.normals, self.fine.normals, self.fine.laplacian
         return self
 
@@ -188,8 +188,13 @@ class PreparedShape(Level):
 
     @property
     def smoothed_mean_curvature(self) -> FloatArray:
-        """Mean curvature after little and more heat, (n, 2), in 1 / sqrt(area): what bulges and what is hollow."""
+        """Mean curvature after a little heat, (n,), in 1 / sqrt(area)."""
         return self.intrinsic.smoothed_mean_curvature
+
+    @property
+    def relief(self) -> FloatArray:
+        """Height over the surface after more heat, (n,), in sqrt(area): what bulges and what is hollow."""
+        return self.intrinsic.relief
 
     @cached_property
     def fine(self) -> Level:

@@ -136,12 +136,9 @@ class MatchProblem:
 
     @cached_property
     def _surroundings(self) -> tuple[FloatArray, FloatArray]:
-        """Heat kernel signature and smoothed curvature of X and of Y, (n_x, k) and (n_y, k), in deviations on X."""
+        """Heat kernel signature and relief of X and of Y, (n_x, k) and (n_y, k), in deviations on X."""
         times = slice(self.parameters.hks_compared_from, None)
-        here, there = (
-            np.column_stack([shape.log_hks[:, times], shape.smoothed_mean_curvature[:, -1]])
-            for shape in (self.x, self.y)
-        )
+        here, there = (np.column_stack([shape.log_hks[:, times], shape.relief]) for shape in (self.x, self.y))
         deviation = np.sqrt(self.x.areas @ (here - self.x.areas @ here) ** 2)
         deviation[deviation == 0] = np.inf  # what is the same everywhere tells nothing apart
         return here / deviation, there / deviation

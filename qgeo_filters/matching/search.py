@@ -119,8 +119,9 @@ def competing_candidates(problem: MatchProblem) -> tuple[list[Candidate], list[C
     least = [max(min(c.mean_distortion for c in some), given.least_distortion) for some in (keeping, reversing)]
     apart = least[0] / least[1]
     ratio = min(c.rank for c in reversing) / max(min(c.rank for c in keeping), given.least_distortion)
-    if ratio < given.mirror_image_ratio:
-        # Y is the mirror image of something asymmetric, or of what the hints say.
+    if ratio < given.mirror_image_ratio and (twins is None or problem.known):
+        # Y is the mirror image of something asymmetric, or of what the hints say. What has a left and a right is in the
+        # pose that X has in a mirror.
         return _dropped(log, keeping, "keeps the orientation, but not distances"), reversing, apart
     if twins is not None or ratio * given.mirror_image_ratio > 1:
         return keeping, _dropped(log, reversing, "reverses the orientation"), apart
@@ -152,7 +153,7 @@ def _first_attempt(problem: MatchProblem, *, either: bool) -> Decision | None:
         decision.margin >= given.quick_margin
         and decision.best.mean_distortion <= given.quick_distortion
         and decision.best.hks_agreement >= given.quick_alike
-        and decision.best.curvature_agreement >= given.quick_relief
+        and decision.best.relief_agreement >= given.quick_relief
     )
     if not clear:
         return None

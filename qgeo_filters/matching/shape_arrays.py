@@ -25,7 +25,7 @@ from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
 
 Arrays = dict[str, np.ndarray]
-_INTRINSIC = ("fps_distances", "log_hks", "smoothed_mean_curvature")
+_INTRINSIC = ("fps_distances", "log_hks", "smoothed_mean_curvature", "relief")
 _OF_SYMMETRY = ("p2p", "nearest", "side", "fixed", "asymmetry", "regions")
 
 
@@ -162,7 +162,8 @@ def _check(shape: PreparedShape) -> None:
     functions: list[tuple[np.ndarray, int]] = [(one.eigenfunctions, len(one.eigenvalues)) for one in shape.embeddings]
     functions += [(one.spectrum.eigenfunctions, one.spectrum.k) for one in shape.embeddings]
     functions += [(shape.laplacian_spectrum.eigenfunctions, shape.laplacian_spectrum.k)]
-    functions += [(shape.log_hks, 3), (shape.smoothed_mean_curvature, 2)]
+    functions += [(shape.log_hks, 3), (shape.smoothed_mean_curvature[:, None], 1)]
+    functions += [(shape.relief[:, None], 1)]
     functions += [(one.fps_distances.T, len(one.fps_distances)) for one in shape.embeddings]
     functions += [(shape.fps_distances.T, len(shape.fps_distances))]
     if any(array.shape != (n, k) or array.dtype.kind != "f" for array, k in functions):

@@ -165,8 +165,8 @@ class TestDecidedAmong:
     def maps(self) -> tuple[Contender, Contender]:
         of = problem()
         right, wrong = contender(of, np.arange(of.x.n_vertices)), contender(of, turned())
-        right = replace(right, end_cost=1.0, curvature_agreement=0.9)
-        return right, replace(wrong, end_cost=3.0, curvature_agreement=0.5)
+        right = replace(right, end_cost=1.0, relief_agreement=0.9)
+        return right, replace(wrong, end_cost=3.0, relief_agreement=0.5)
 
     def test_the_cheapest_is_the_best_and_the_former_one_its_rival(self, maps: tuple[Contender, Contender]) -> None:
         right, wrong = maps
@@ -185,7 +185,7 @@ class TestDecidedAmong:
 
     def test_a_dearer_one_is_a_rival(self, maps: tuple[Contender, Contender]) -> None:
         right, wrong = maps
-        agreeing = replace(wrong, curvature_agreement=0.99)
+        agreeing = replace(wrong, relief_agreement=0.99)
         decision = decided_among(problem(), Decision(right, np.inf, np.inf), [agreeing])
         assert (decision.best, decision.margin, decision.contrary) == (right, 3.0, 3.0)
         assert decided_among(problem(), Decision(right, 2.0, 0.1), [wrong]).margin == 2.0
@@ -198,9 +198,9 @@ class TestLedByKernels:
     def maps(self) -> tuple[Contender, Contender]:
         of = problem()
         before, led = contender(of, np.arange(of.x.n_vertices)), contender(of, turned())
-        return replace(before, cost=1.0, end_cost=3.0), replace(led, cost=2.0, end_cost=1.0)
+        return replace(before, without_kernels=1.0, end_cost=3.0), replace(led, without_kernels=2.0, end_cost=1.0)
 
-    def test_a_part_that_was_led_elsewhere_at_a_cost_is_finished_where_it_was(
+    def test_a_part_that_was_led_elsewhere_and_fits_worse_there_is_finished_where_it_was(
         self, maps: tuple[Contender, Contender]
     ) -> None:
         before, led = maps
@@ -208,14 +208,14 @@ class TestLedByKernels:
         assert (taken.dense, taken.end_cost, taken.hks_agreement) == (led.dense, 1.0, led.hks_agreement)
         assert taken.to_finish is before.dense
 
-    def test_a_part_that_deforms_more_easily_elsewhere_belongs_there(self, maps: tuple[Contender, Contender]) -> None:
+    def test_a_part_that_fits_about_as_well_elsewhere_belongs_there(self, maps: tuple[Contender, Contender]) -> None:
         before, led = maps
-        taken = led_by_kernels(problem(), before, replace(led, cost=0.9))
+        taken = led_by_kernels(problem(), before, replace(led, without_kernels=1.5))
         assert taken.to_finish is led.dense
 
     def test_what_has_hardly_moved_is_taken_as_it_was_led(self, maps: tuple[Contender, Contender]) -> None:
         _, led = maps
-        assert led_by_kernels(problem(), replace(led, cost=1.0, end_cost=3.0), led).to_finish is led.dense
+        assert led_by_kernels(problem(), replace(led, without_kernels=1.0, end_cost=3.0), led).to_finish is led.dense
 
     def test_what_costs_more_at_the_end_is_not_taken(self, maps: tuple[Contender, Contender]) -> None:
         before, led = maps

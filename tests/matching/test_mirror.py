@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from shapes import crooked, reflected
+from shapes import crooked, limbed, reflected
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import VtsDataset, geodesic_error
@@ -52,6 +52,26 @@ def test_what_must_be_turned_over_is_turned_over() -> None:
     same = qg.match(described(), copy)
     assert same.confident, same.explanation
     np.testing.assert_array_equal(same.p2p, np.arange(len(same.p2p)))
+
+
+def test_what_has_a_left_and_a_right_keeps_them_in_the_pose_that_it_has_in_a_mirror() -> None:
+    """A woman who lifts her left arm is not the mirror image of one who lifts her right, though that fits better."""
+    directions = ((0.0, 0.2, 1.0), (1.0, 0.3, 0.4), (-1.0, 0.3, 0.4), (0.6, 0.25, -1.0), (-0.6, 0.25, -1.0))
+    vertices, faces = limbed(directions, (0.5, 0.9, 0.9, 1.4, 1.4))
+    angle = 0.3 * np.clip(vertices[:, 0] - 0.3, 0, 1)  # of the limbs on one side
+    turned = np.column_stack([
+        vertices[:, 0],
+        vertices[:, 1] * np.cos(angle) + vertices[:, 2] * np.sin(angle),
+        vertices[:, 2] * np.cos(angle) - vertices[:, 1] * np.sin(angle),
+    ])  # fmt: skip
+    x, y = qg.Surface(turned, faces), qg.Surface(*reflected((turned, faces)))
+    partner = np.linalg.norm((vertices * [-1, 1, 1])[:, None] - vertices[None], axis=2).argmin(axis=1)
+    found = qg.match(x, y)
+    np.testing.assert_array_equal(found.p2p, partner)
+    assert found.confident
+    assert found.score > 0.005  # which is 0 in the mirror
+    asked = qg.match(x, y, mirror="yes")
+    np.testing.assert_array_equal(asked.p2p, np.arange(len(partner)))
 
 
 def test_options_that_are_none() -> None:

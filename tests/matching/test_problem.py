@@ -143,7 +143,7 @@ def test_what_went_further_was_measured_further() -> None:
     ended = [entry for entry in log if entry.end_cost is not None]
     assert chosen.end_cost == min(entry.end_cost for entry in ended if entry.end_cost is not None)
     for entry in log:
-        terms = (entry.strain, entry.torn, entry.folded, entry.hks_agreement, entry.curvature_agreement)
+        terms = (entry.strain, entry.torn, entry.folded, entry.hks_agreement, entry.relief_agreement)
         assert all((term is None) == (entry.preview_cost is None) for term in terms)
         assert entry.end_cost is None or entry.preview_cost is not None
     reversing = [entry for entry in log if entry.fate == "reverses the orientation"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,12 @@ from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.registration_stages import Stages
 from qgeo_filters.matching.schedule import Schedule
-from qgeo_filters.matching.selection.signatures import curvature_agreements, hks_agreement, hks_agreements
+from qgeo_filters.matching.selection.signatures import (
+    curvature_agreement,
+    hks_agreement,
+    hks_agreements,
+    relief_agreement,
+)
 from qgeo_filters.matching.smooth_shells import DenseMap, register
 from qgeo_filters.parallel import concurrently
 
@@ -34,16 +40,19 @@ class Contender:
         Share of X's area that the deformation turns over.
     hks_agreement : float
         See `hks_agreement`.
-    curvature_agreement : float
-        After more heat, see `curvature_agreements`.
+    relief_agreement : float
+        See `relief_agreement`.
     cost : float
         Product of strain, torn and folded shares, root of the distortion, and how unlike the parts are. Larger for a
         map that is wrong in a part.
     end_cost : float
-        The same for maps that have settled, with other powers, and with how unlike details are: what bulges and what is
-        hollow, and heat kernels after little heat.
+        The same for maps that have settled, with other powers, and with how unlike the relief, curvature, and heat
+        kernels after little heat are.
     number : int
         In the log of the problem.
+    without_kernels : float
+        Product of strain, torn share, root of the distortion and how unlike the relief is: what is said by all that did
+        not lead the map, where heat kernels did.
     penalty : float
         By which both costs were multiplied for what the map does to the hints; 1 without any.
     in_place : DenseMap, optional
@@ -57,10 +66,11 @@ class Contender:
     torn: float
     folded: float
     hks_agreement: float
-    curvature_agreement: float
+    relief_agreement: float
     cost: float
     end_cost: float
     number: int
+    without_kernels: float
     penalty: float = 1.0
     in_place: DenseMap | None = None
 
@@ -99,15 +109,17 @@ def measured(problem: MatchProblem, dense: DenseMap, number: int) -> Contender:
     torn, strain = torn_share(problem, p2p), x.arap.energy(dense.positions)
     distortion = mean_distortion(problem, p2p[x.fps])
     hks = hks_agreement(problem, p2p)
-    kernels, curvatures = hks_agreements(problem, p2p), curvature_agreements(problem, p2p)
+    relief, curvature = relief_agreement(problem, p2p), curvature_agreement(problem, p2p)
     # Squared: the cost is a product of several terms, each of which may grow as the distortion does.
     penalty = float(problem.penalties(x.fps, p2p[x.fps])) ** 2
     terms = _Terms.of(given, distortion, strain, torn, folded, hks)
     powers = given.reflection_end_powers if problem.reflection else given.end_powers
-    details = [1 - kernels[0] + given.least_hks_gap] + [1 - c + given.least_curvature_gap for c in curvatures]
+    gaps = 1 - relief + given.least_curvature_gap, 1 - curvature + given.least_curvature_gap
+    kernels = 1 - hks_agreements(problem, p2p)[0] + given.least_hks_gap
     return Contender(
-        dense, distortion, strain, torn, folded, hks, curvatures[-1],
-        penalty * terms.cost, penalty * terms.end_cost(powers, *details), number, penalty,
+        dense, distortion, strain, torn, folded, hks, relief,
+        penalty * terms.cost, penalty * terms.end_cost(powers, (*gaps, kernels)),
+        number, terms.stretched * gaps[0], penalty,
     )  # fmt: skip
 
 
@@ -143,12 +155,14 @@ class _Terms:
         )
 
     @property
-    def cost(self) -> float:
-        return self.strain * self.torn * self.folded * self.unlike * self.distortion**0.5
+    def stretched(self) -> float:
+        return self.strain * self.torn * self.distortion**0.5
 
-    def end_cost(
-        self, powers: tuple[float, float, float, float, float], kernels: float, fine: float, coarse: float
-    ) -> float:
-        shares, distortion, relief, details, heat = powers
+    @property
+    def cost(self) -> float:
+        return self.stretched * self.folded * self.unlike
+
+    def end_cost(self, powers: tuple[float, ...], details: tuple[float, ...]) -> float:
+        shares, distortion, *others = powers
         product = self.strain * (self.torn * self.folded * self.unlike) ** shares * self.distortion**distortion
-        return float(product * coarse**relief * fine**details * kernels**heat)
+        return float(product * math.prod(gap**power for gap, power in zip(details, others, strict=True)))

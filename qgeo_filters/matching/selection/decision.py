@@ -145,13 +145,14 @@ def settled(problem: MatchProblem, close: list[Contender]) -> list[Contender]:
 def led_by_kernels(problem: MatchProblem, contender: Contender, led: Contender) -> Contender:
     """The cheaper of a contender and what heat kernels made of it.
 
-    They may lead a limb to another that is as stout as it is. The relief agrees there, too, but the deformation tells:
-    it strains, tears or folds more. What that contender costs is still that of the shapes at their most alike; of two
-    different maps the right one need not be the one whose limbs are in place.
+    They may lead a limb to another that is as stout as it is, where they agree, of course; but all else tells: it
+    strains and tears more, for a relief that hardly agrees better. What that contender costs is still that of the
+    shapes at their most alike; of two different maps the right one need not be the one whose limbs are in place.
     """
     if led.end_cost >= contender.end_cost:
         return contender
-    astray = not problem.reflection and led.cost > contender.cost and _are_different(problem, contender, led)
+    worse = led.without_kernels > problem.parameters.led_astray * contender.without_kernels
+    astray = not problem.reflection and worse and _are_different(problem, contender, led)
     return replace(led, in_place=contender.dense) if astray else led
 
 
@@ -203,7 +204,7 @@ def decided_among(problem: MatchProblem, before: Decision, others: list[Contende
 
 def _agrees_better(problem: MatchProblem, rival: Contender, best: Contender) -> bool:
     """Whether what bulges and what is hollow agrees clearly better along a rival."""
-    return 1 - rival.curvature_agreement < problem.parameters.contrary_relief * (1 - best.curvature_agreement)
+    return 1 - rival.relief_agreement < problem.parameters.contrary_relief * (1 - best.relief_agreement)
 
 
 def _doubtful(
@@ -258,5 +259,5 @@ def note_costs(problem: MatchProblem, c: Contender, **costs: float) -> None:
     """Say in the log what a contender costs, and why."""
     problem.log.note(
         c.number, mean_distortion=c.mean_distortion, strain=c.strain, torn=c.torn, folded=c.folded,
-        hks_agreement=c.hks_agreement, curvature_agreement=c.curvature_agreement, **costs,
+        hks_agreement=c.hks_agreement, relief_agreement=c.relief_agreement, **costs,
     )  # fmt: skip

@@ -22,20 +22,23 @@ def hks_agreements(problem: MatchProblem, p2p: IndexArray) -> tuple[float, ...]:
     Sun, Ovsjanikov, Guibas, "A concise and provably informative multi-scale signature based on heat diffusion",
     SGP 2009.
     """
-    return _agreements(problem.x.log_hks, problem.y.log_hks[p2p], problem.x.areas)
+    x, y = problem.x, problem.y
+    return tuple(_agreement(one, other, x.areas) for one, other in zip(x.log_hks.T, y.log_hks[p2p].T, strict=True))
 
 
-def curvature_agreements(problem: MatchProblem, p2p: IndexArray) -> tuple[float, ...]:
-    """Agreement of the mean curvature with that at the images, 1 if it is equal; after little and after more heat.
+def curvature_agreement(problem: MatchProblem, p2p: IndexArray) -> float:
+    """Agreement of the mean curvature, after a little heat, with that at the images; 1 if it is equal."""
+    x, y = problem.x, problem.y
+    return _agreement(x.smoothed_mean_curvature, y.smoothed_mean_curvature[p2p], x.areas)
+
+
+def relief_agreement(problem: MatchProblem, p2p: IndexArray) -> float:
+    """Agreement of the relief with that at the images; 1 if it is equal.
 
     Unlike the heat kernels it knows inside from outside: a breast is not like a back.
     """
     x, y = problem.x, problem.y
-    return _agreements(x.smoothed_mean_curvature, y.smoothed_mean_curvature[p2p], x.areas)
-
-
-def _agreements(here: FloatArray, there: FloatArray, areas: FloatArray) -> tuple[float, ...]:
-    return tuple(_agreement(one, other, areas) for one, other in zip(here.T, there.T, strict=True))
+    return _agreement(x.relief, y.relief[p2p], x.areas)
 
 
 def _agreement(one: FloatArray, other: FloatArray, areas: FloatArray) -> float:
