@@ -4,7 +4,7 @@
 
 ROOT as for ``matching.py``. For each pair, the contenders that `qg.match` takes further: what they cost in the preview,
 and where they end (see `choose_map`). A rule chooses the one that costs least at the end, which is what `qg.match`
-does; the same without what the smoothed curvature ("relief") adds to the cost; in the preview ("trial"); or in the
+does; the same without what the relief and the smoothed curvature add to the cost; in the preview ("trial"); or in the
 geometric mean of the last two. Where right maps (mean error below .1 sqrt(area)) and wrong ones compete: how many times
 as much the cheapest wrong one costs as the cheapest right one; below 1 the choice is wrong. The last columns are the
 error of the map that each rule chooses, before the last stage.
