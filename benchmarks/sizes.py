@@ -1,10 +1,11 @@
 """What costs what on large meshes: wall-clock and CPU seconds, and peak memory, of each job in a fresh process.
 
     python benchmarks/sizes.py MESH.ply ... [--only JOB,JOB]
+    python benchmarks/sizes.py MESH.ply --split 1       (its faces split in four so many times, with noise)
     python benchmarks/sizes.py 6 7 8       (lopsided spheres with noise, of 40962, 163842 and 655362 vertices)
 
-A job is a function of a surface in `JOBS`. Reading the file, and loading the kernels, is not counted in the others;
-peak memory is that of the whole process, the interpreter and the mesh with it.
+Noise is of .03 mean edges on every vertex. A job is a function of a surface in `JOBS`. Reading the file, and loading
+the kernels, is not counted in the others; peak memory is that of the whole process, with the interpreter and the mesh.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import igl
 import numpy as np
 from record import Record, machine, recorded
 
@@ -66,14 +68,23 @@ JOBS: dict[str, Callable[[qg.Surface], object]] = {
 }
 
 
-def noisy_blob(level: int, folder: Path) -> Path:
-    """File of a lopsided sphere of 10 * 4^level + 2 vertices, with noise of .03 mean edges."""
-    surface = qg.Surface(*blob(level, seed=1))
+def rough(surface: qg.Surface, folder: Path) -> Path:
+    """File of the surface with noise of .03 mean edges."""
     step = 0.03 * float(surface.edge_lengths.mean())
-    rough = surface.vertices + step * np.random.default_rng(0).standard_normal(surface.vertices.shape)
+    moved = surface.vertices + step * np.random.default_rng(0).standard_normal(surface.vertices.shape)
     path = folder / f"{surface.n_vertices}.ply"
-    surface.with_vertices(rough).write(path)
+    surface.with_vertices(moved).write(path)
     return path
+
+
+def mesh_file(mesh: str, split: int, folder: Path) -> Path:
+    """The file that was named; one of the mesh with its faces split; or of a sphere of 10 * 4^level + 2 vertices."""
+    if mesh.isdigit():
+        return rough(qg.Surface(*blob(int(mesh), seed=1)), folder)
+    if not split:
+        return Path(mesh)
+    given = qg.Surface.read(mesh)
+    return rough(qg.Surface(*igl.upsample(given.vertices, given.faces, split)), folder)
 
 
 def measured(path: Path, job: str) -> dict[str, float]:
@@ -95,6 +106,7 @@ def main(record: Record) -> None:
     """Print the table, row by row."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("meshes", nargs="+")
+    parser.add_argument("--split", type=int, default=0, help="how often the faces of each file are split in four")
     parser.add_argument("--only", help="jobs whose names begin with these, with commas between")
     parser.add_argument("--one", action="store_true", help=argparse.SUPPRESS)
     arguments = parser.parse_args(record.arguments)
@@ -102,7 +114,7 @@ def main(record: Record) -> None:
         print(json.dumps(measured(Path(arguments.meshes[0]), arguments.only)))
         return
     with tempfile.TemporaryDirectory() as folder:
-        meshes = [noisy_blob(int(m), Path(folder)) if m.isdigit() else Path(m) for m in arguments.meshes]
+        meshes = [mesh_file(mesh, arguments.split, Path(folder)) for mesh in arguments.meshes]
         sizes = [qg.Surface.read(mesh).n_vertices for mesh in meshes]
         starts = tuple(arguments.only.split(",")) if arguments.only else ("",)
         print(f"{machine()}")
