@@ -50,7 +50,10 @@ def _on_this_side(values: Any) -> Any:
     for name in ("detach", "resolve_conj", "resolve_neg"):  # of PyTorch: views that NumPy does not know, made real
         if callable(method := getattr(values, name, None)):
             values = method()
-    here = values.cpu()
+    try:
+        here = values.cpu()
+    except NotImplementedError as error:  # PyTorch's of the device "meta", whose tensors have a shape alone
+        raise TypeError(str(error)) from error
     try:
         return here.numpy()
     except TypeError:

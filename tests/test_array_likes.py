@@ -46,17 +46,71 @@ def refused():
     raise TypeError("no such type")
 
 
-def test_tensors_of_pytorch():
-    """The stand-in's words are those of the real one, where it is installed; it is too large for our tests."""
+def test_a_tensor_without_numbers_is_refused():
+    """Of PyTorch's device "meta": a shape alone."""
+
+    def cpu():
+        raise NotImplementedError("Cannot copy out of meta tensor; no data!")
+
+    nothing = SimpleNamespace(cpu=cpu, numpy=refused)
+    with pytest.raises(qg.QgeoError, match="vertices must be numbers in rows of three: Cannot copy out of meta tensor"):
+        qg.Surface(nothing, SURFACE.faces)
+
+
+# Where PyTorch is installed; it is too large for our tests, in which the stand-in speaks its words.
+VERTICES = {
+    "double": lambda torch, values: torch.tensor(values),
+    "float": lambda torch, values: torch.tensor(values).float(),
+    "gradient": lambda torch, values: torch.tensor(values, requires_grad=True),
+    "computed from a gradient": lambda torch, values: 2 * torch.tensor(values / 2).requires_grad_(),
+    "parameter": lambda torch, values: torch.nn.Parameter(torch.tensor(values)),
+    "columns first": lambda torch, values: torch.tensor(np.ascontiguousarray(values.T)).T,
+    "every other row": lambda torch, values: torch.tensor(np.repeat(values, 2, axis=0))[::2],
+    "opposites": lambda torch, values: torch._neg_view(torch.tensor(-values)),
+    "bfloat16": lambda torch, values: torch.tensor(values).bfloat16(),
+}
+FACES = {
+    "int64": lambda torch, faces: torch.tensor(faces).long(),
+    "int32": lambda torch, faces: torch.tensor(faces).int(),
+    "columns first": lambda torch, faces: torch.tensor(np.ascontiguousarray(faces.T)).long().T,
+}
+
+
+@pytest.mark.parametrize("of_faces", FACES)
+@pytest.mark.parametrize("of_vertices", VERTICES)
+def test_a_mesh_of_pytorch(of_vertices, of_faces):
     torch = pytest.importorskip("torch")
-    vertices, faces = torch.tensor(np.array(SURFACE.vertices)), torch.tensor(np.array(SURFACE.faces))
-    plain = qg.distances(SURFACE, [17, 3])
-    pair = vertices.clone().requires_grad_(), faces
-    np.testing.assert_array_equal(qg.distances(pair, torch.tensor([17, 3])), plain)
-    np.testing.assert_array_equal(qg.as_surface((torch._neg_view(vertices), faces)).vertices, -SURFACE.vertices)
-    half = vertices.bfloat16()
-    np.testing.assert_array_equal(qg.as_surface((half, faces)).vertices, half.double().numpy())
-    assert qg.match(pair, (vertices.float(), faces)).confident == qg.match(SURFACE, SURFACE).confident
+    vertices = VERTICES[of_vertices](torch, np.array(SURFACE.vertices))
+    faces = FACES[of_faces](torch, np.array(SURFACE.faces))
+    surface = qg.Surface(vertices, faces)
+    np.testing.assert_array_equal(surface.vertices, vertices.detach().double().resolve_neg().numpy())
+    np.testing.assert_array_equal(surface.faces, SURFACE.faces)
+    found = qg.distances((vertices, faces), torch.tensor([17, 3]))
+    assert type(found) is np.ndarray
+    np.testing.assert_array_equal(found, qg.distances(surface, [17, 3]))
+    with torch.no_grad():  # of what is the user's, nothing is shared with the surface
+        vertices[0] += 1
+    assert np.abs(surface.vertices[0] - vertices[0].detach().double().resolve_neg().numpy()).min() > 0.9
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_match_of_pytorch():
+    """What comes back are arrays, and PyTorch copies them without a warning, for indices say."""
+    torch = pytest.importorskip("torch")
+    vertices = torch.tensor(np.array(SURFACE.vertices), dtype=torch.float32, requires_grad=True)
+    faces = torch.tensor(np.array(SURFACE.faces)).long()
+    found = qg.match((vertices, faces), (1.5 * vertices, faces))
+    assert found.confident
+    assert type(found.p2p) is np.ndarray
+    np.testing.assert_array_equal(found.p2p, qg.match(qg.Surface(vertices, faces), (1.5 * vertices, faces)).p2p)
+    p2p = torch.tensor(found.p2p)
+    assert p2p.dtype == torch.int64
+    assert vertices[p2p].requires_grad
+    carried = found.transfer(torch.rand(N, 3, requires_grad=True))
+    assert type(carried) is np.ndarray
+    assert torch.from_numpy(carried).shape == (N, 3)
+    landmarks = qg.match((vertices, faces), (vertices, faces), landmarks=torch.tensor([[3, 3], [5, 5]])).landmark_errors
+    np.testing.assert_array_equal(landmarks, 0)
 
 
 def test_a_matrix_of_distances_may_be_a_tensor():

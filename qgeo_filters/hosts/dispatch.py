@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import RepairOption
+from qgeo_filters.array_likes import as_array
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.arrays import is_pair, is_path, raw_mesh
 from qgeo_filters.hosts.protocol import host_of
@@ -47,7 +48,8 @@ def as_surface(obj: SurfaceLike, *, repair: RepairOption = False) -> Surface:
         Surface, open3d.t.geometry.TriangleMesh or the legacy open3d.geometry.TriangleMesh,
         pymeshlab.MeshSet (its current mesh, in the mesh's own coordinates) or Mesh, pyvista.PolyData,
         trimesh.Trimesh, vedo.Mesh, meshio.Mesh, a ``(V, F)`` pair of arrays or tensors (of PyTorch too, on any device),
-        a path, or any object with ``vertices`` and ``faces``.
+        a path, or any object with ``vertices`` and ``faces``. What is computed from tensors are NumPy arrays, through
+        which no gradient goes: ``torch.tensor(found.p2p)``.
         Never changed. Per-vertex attributes come along: ``mesh.vertex[...]`` of Open3D (positions apart;
         normals and colours under their names), custom scalar and point attributes of PyMeshLab,
         ``point_data`` of PyVista and meshio, ``pointdata`` of vedo, ``vertex_attributes`` of trimesh and its
@@ -171,7 +173,7 @@ def with_positions(host: Any, vertices: npt.ArrayLike) -> Any:
     if isinstance(host, Surface):
         return host.with_vertices(vertices)
     library = host_of(host)
-    posed = np.array(vertices, dtype=np.float64)
+    posed = np.array(as_array(vertices), dtype=np.float64)
     expected = np.shape(raw_mesh(host).vertices)
     if posed.shape != expected:
         raise MeshError(f"the pose has shape {posed.shape}, expected {expected}")

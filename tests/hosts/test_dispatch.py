@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from host_meshes import ATTRIBUTES, FACES, VERTICES, N, assert_attributes
+from tensors import Tensor
 
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.dispatch import as_surface, with_positions, write_back
@@ -45,6 +46,8 @@ def test_a_pair_is_posed_as_a_pair():
     assert isinstance(posed, tuple)
     np.testing.assert_array_equal(posed[0], 2 * VERTICES)
     assert posed[1] is FACES
+    posed = with_positions((VERTICES, FACES), Tensor(2 * VERTICES, requires_grad=True, device="cuda:0"))
+    np.testing.assert_array_equal(posed[0], 2 * VERTICES)
 
 
 def test_paths_become_surfaces(tmp_path):
