@@ -682,6 +682,32 @@ def test_stored_picture_is_shown_as_the_figure_it_was(tmp_path) -> None:  # type
         assert report_page("", pictures=[StoredPicture(path, "a caption")]) == report_page("", pictures=[picture])
 
 
+@pytest.mark.parametrize(
+    ("widths", "kinds"),
+    [
+        ("n", " "),
+        ("nw", "aw"),
+        ("nwn", " w "),
+        ("nwnwn", " w wa"),
+        ("nnnw", "  aw"),
+        ("wnw", "waw"),
+        ("ww", "ww"),
+    ],
+)
+def test_no_row_of_the_page_is_half_empty(widths: str, kinds: str) -> None:
+    """Wide, alone, or one of two: later ones fill up a row."""
+    figures_of = {"n": panels.new_figure(3.0, 1.0), "w": panels.new_figure(7.0, 1.0)}
+    page = report_page("", pictures=[Picture("one", figures_of[width], "") for width in widths])
+    found = re.findall(r'<figure(?: class="(\w)\w+")?>', page)
+    assert "".join(kind or " " for kind in found) == kinds
+    assert "grid-auto-flow: dense" in page
+
+
+def test_only_long_cells_are_sentences() -> None:
+    page = report_page("", tables=[Table("Pairs", [("a - b", "sure", 40 * "long ")], ("pair", "is", "why"))])
+    assert re.findall(r'<td( class="\w+")?>(\w+)', page) == [("", "sure"), (' class="sentence"', "long")]
+
+
 def test_numbers_come_first_where_asked() -> None:
     table = Table("Numbers", [(1, 2)])
     before, after = (report_page("", tables=[table], tables_first=first) for first in (True, False))

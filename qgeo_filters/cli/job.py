@@ -198,7 +198,7 @@ class Job(JobMeshes):
             write_report(
                 temporary,
                 f"qgeo {self.command}: {self._subject()}",
-                subtitle=self.subject or ", ".join(mesh["path"] for mesh in self.meshes),
+                subtitle="" if self.subject else ", ".join(mesh["path"] for mesh in self.meshes),
                 pictures=self._pictures,
                 tables=[
                     Table.explained("Results", self._short_results(), self.command),

@@ -96,7 +96,7 @@ def plot_embedding(
     names, square = _named_square(distances)
     colors = _GroupColors.of(names, groups)
     places, stress = embedding(square)
-    figure = new_figure(5.6, 4.6)
+    figure = new_figure(5.4, 4.6)  # half a page, beside the table
     with matplotlib.rc_context(STYLE):
         axes = figure.add_subplot()
         for number, group in enumerate(colors.groups or ("",)):

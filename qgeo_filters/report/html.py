@@ -24,6 +24,7 @@ from qgeo_filters.report.style import STYLESHEET
 _WIDE = 5.5  # inches
 _HALF_PAGE = 90  # characters in half the width of the page
 _GAP = 3  # characters between columns
+_SENTENCE = 40  # characters from which a cell is read, not looked at
 
 
 @dataclass(frozen=True)
@@ -185,7 +186,7 @@ def report_page(
     """
     sections = [
         f"""<section class="pictures" aria-label="Pictures">
-{"".join(map(_picture, pictures))}</section>
+{_figures(pictures)}</section>
 """,
         f"""<section class="tables" aria-label="Numbers">
 {"".join(map(_table, tables))}</section>
@@ -221,12 +222,20 @@ def _paragraph(text: str) -> str:
     return f"<p>{escape(text)}</p>" if text else ""
 
 
-def _picture(picture: Picture | StoredPicture) -> str:
+def _figures(pictures: Sequence[Picture | StoredPicture]) -> str:
+    """All figures: narrow ones stand two in a row, and of an odd number the last has its row to itself."""
+    narrow = [place for place, picture in enumerate(pictures) if not picture.wide]
+    alone = narrow[-1] if len(narrow) % 2 and len(pictures) > 1 else None
+    kinds = ["wide" if picture.wide else "alone" if i == alone else "" for i, picture in enumerate(pictures)]
+    return "".join(map(_figure, pictures, kinds))
+
+
+def _figure(picture: Picture | StoredPicture, kind: str) -> str:
     data = base64.b64encode(picture.png).decode("ascii")
     caption = escape(picture.caption)
-    wide = ' class="wide"' if picture.wide else ""
+    named = f' class="{kind}"' if kind else ""
     image = f'<img src="data:image/png;base64,{data}" alt="{caption}">'
-    return f"<figure{wide}>{image}<figcaption>{caption}</figcaption></figure>\n"
+    return f"<figure{named}>{image}<figcaption>{caption}</figcaption></figure>\n"
 
 
 def _table(table: Table) -> str:
@@ -252,6 +261,8 @@ def _kind(value: Any) -> str:
     """The class of a cell, as an attribute."""
     if isinstance(value, Meaning):
         return ' class="meaning"'
+    if isinstance(value, str) and len(value) > _SENTENCE:
+        return ' class="sentence"'
     return ' class="number"' if isinstance(value, (int, float)) and not isinstance(value, bool) else ""
 
 

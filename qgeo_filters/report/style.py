@@ -21,7 +21,8 @@ h2 { font-size: 1.05rem; margin: 0 0 .6rem; }
   grid-template-columns: repeat(auto-fit, minmax(min(24rem, 100%), 1fr)); }
 figure, .table { margin: 0; background: var(--card); border: 1px solid var(--line); border-radius: .6rem;
   overflow: hidden; }
-figure.wide { grid-column: 1 / -1; }
+figure.wide, figure.alone { grid-column: 1 / -1; }
+figure.alone img { object-fit: scale-down; }
 /* The pictures are made for white paper: they keep it at night, as cards of their own, and their colours, which legends
    name, are left alone. */
 figure img {
@@ -52,6 +53,7 @@ tbody th { font-weight: 500; }
 .number { font-variant-numeric: tabular-nums; white-space: nowrap; }
 .meaning { color: var(--faint); font-size: .88rem; }
 .meaning { width: 46%; padding-right: 0; }
+table:not(:has(.meaning)) .sentence { min-width: 14rem; }  /* else a narrow page leaves it a letter a line */
 @media (max-width: 46rem) {  /* what a number means stands under it */
   .explained tr { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); border-top: 1px solid var(--line); }
   .explained tr > * { border-top: 0; width: auto; padding-bottom: 0; }
@@ -78,5 +80,6 @@ footer { margin-top: 1.5rem; font-size: .88rem; color: var(--faint); overflow-wr
   table { font-size: 8.5pt; }
   .meaning { width: 40%; font-size: 8pt; }
   .scroll { overflow: visible; }
+  table:not(:has(.meaning)) .sentence { min-width: 0; }
 }
 """
