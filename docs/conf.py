@@ -12,7 +12,7 @@ sys.path[:0] = [str(ROOT / "docs"), str(ROOT), str(ROOT / "widgets")]
 os.environ.setdefault("OPEN3D_DISABLE_WEB_VISUALIZER", "true")
 
 from house_picture import write_house_picture  # noqa: E402
-from repository_text import with_repository_text  # noqa: E402
+from repository_text import requested, with_repository_text  # noqa: E402
 
 import qgeo_filters  # noqa: E402
 
@@ -85,7 +85,14 @@ sphinx_gallery_conf = {
 }
 
 
+def _taken_in(app, name, source) -> None:  # type: ignore[no-untyped-def]
+    """A page with what it asks for, and made anew when one of those files changes."""
+    for file in requested(source[0]):
+        app.env.note_dependency(str(ROOT / file), docname=name)
+    source[0] = with_repository_text(source[0], SOURCE)
+
+
 def setup(app) -> None:  # type: ignore[no-untyped-def]
     """Texts of the repository come in where a page asks for them, and the house is drawn."""
-    app.connect("source-read", lambda app, name, source: source.__setitem__(0, with_repository_text(source[0], SOURCE)))
+    app.connect("source-read", _taken_in)
     app.connect("builder-inited", lambda app: write_house_picture(Path(app.srcdir) / "generated" / "house.svg"))

@@ -50,6 +50,11 @@ def with_repository_text(page: str, repository: str) -> str:
     return _REQUEST.sub(asked_for, page)
 
 
+def requested(page: str) -> list[str]:
+    """Files of the repository that a page takes parts of."""
+    return [request["file"] for request in _REQUEST.finditer(page)]
+
+
 def section(text: str, heading: str, name: str) -> str:
     """From a heading to the next one that is no deeper."""
     headings = [found for found in _HEADING.finditer(text) if not _within_fence(text, found.start())]
