@@ -17,9 +17,9 @@ from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.hosts.dispatch import as_given, raw_mesh
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.prepared_shape import PreparedShape
+from qgeo_filters.repair.winding import is_inside_out
 from qgeo_filters.sampling import farthest_in_embedding
 from qgeo_filters.surface import Surface
-from qgeo_filters.triangle_geometry import face_crosses
 
 # Below which a scan's shape is that of its reference rather than the scan's own, in sqrt(area).
 _SCAN_LENGTH = 0.03
@@ -27,8 +27,6 @@ _SCAN_LENGTH = 0.03
 _NEXT, _MARKS = 0.05, 24
 # Least share of the triangles that poses have in common with their reference, some edges flipped.
 _COMMON = 0.9
-# Share of its volume at rest, with the other sign, from which a pose is inside out: limbs that cross take far less.
-_INSIDE_OUT = 0.5
 
 
 def given_poses(reference: Surface, poses: Any) -> Iterator[FloatArray]:
@@ -146,20 +144,9 @@ def _checked(reference: Surface, positions: npt.ArrayLike) -> FloatArray:
         raise ParameterError(f"{lost.size} of {len(array)} vertices are not finite, the first is {lost[0]}")
     if not np.ptp(array, axis=0).any():
         raise ParameterError("all vertices are in one place")
-    if reference.winding in ("outward", "inward"):
-        rest, now = (_volume(places, reference.faces) for places in (reference.vertices, array))
-        if now * np.sign(rest) < -_INSIDE_OUT * abs(rest):
-            raise ParameterError("inside out, as a mirror image of the reference is: reflect one of the two first")
+    if reference.winding in ("outward", "inward") and is_inside_out(array, reference.vertices, reference.faces):
+        raise ParameterError("inside out, as a mirror image of the reference is: reflect one of the two first")
     return array
-
-
-def _volume(positions: FloatArray, faces: npt.NDArray[np.int32]) -> float:
-    """Volume within, with its sign, over area^(3/2); holes are closed from the mean of the corners."""
-    corners = positions[faces]
-    crosses = face_crosses(positions, faces)
-    area = 0.5 * np.linalg.norm(crosses, axis=1).sum()
-    volume = np.einsum("ij,ij->", corners[:, 0] - corners.mean(axis=(0, 1)), crosses) / 6
-    return float(volume / area**1.5) if area > 0 else 0.0
 
 
 def _marks(reference: Surface, before: FloatArray, scan: Surface) -> tuple[FloatArray, FloatArray] | None:

@@ -23,6 +23,8 @@ Winding: TypeAlias = Literal["outward", "inward", "mixed", "undetermined"]
 _TOLD = 0.5
 # A closed volume, as a fraction of area^(3/2), below which its sign is rounding; a sphere has 0.094.
 _NO_VOLUME = 1e-9
+# Share of its volume at rest, with the other sign, from which a pose is inside out: limbs that cross take far less.
+_INSIDE_OUT = 0.5
 _SAMPLES = 256
 _MOST_PIECES = 64  # of the largest area; smaller ones are not looked at
 _OFFSET = 1e-3  # of sqrt(area) of a triangle
@@ -47,6 +49,21 @@ def winding(vertices: FloatArray, faces: IntArray) -> Winding:
     return "outward" if outward else "inward" if inward else "undetermined"
 
 
+def relative_volume(vertices: FloatArray, faces: IntArray) -> float:
+    """Volume within, with its sign, over area^(3/2); holes are closed from the mean of the corners."""
+    corners = vertices[faces]
+    crosses = face_crosses(vertices, faces)
+    area = 0.5 * np.linalg.norm(crosses, axis=1).sum()
+    volume = np.einsum("ij,ij->", corners[:, 0] - corners.mean(axis=(0, 1)), crosses) / 6
+    return float(volume / area**1.5) if area > 0 else 0.0
+
+
+def is_inside_out(positions: FloatArray, rest: FloatArray, faces: IntArray) -> bool:
+    """Whether what is inside at rest is outside in a pose, as on a mirror image; for surfaces that have an inside."""
+    before, now = relative_volume(rest, faces), relative_volume(positions, faces)
+    return bool(now * np.sign(before) < -_INSIDE_OUT * abs(before))
+
+
 def _outwardness(vertices: FloatArray, faces: IntArray, piece: IntArray) -> FloatArray:
     """Mean outwardness over the area of each piece, -1 to 1, the largest pieces first; those of no area left out."""
     used = occurring(faces, len(vertices))  # the others may be anything
@@ -60,8 +77,8 @@ def _outwardness(vertices: FloatArray, faces: IntArray, piece: IntArray) -> Floa
     largest = largest[area[largest] > 0]
     _, _, counts = connectivity.unique_edges(faces)
     if len(largest) == 1 and counts.min() > 1:
-        volume = float(np.einsum("ij,ij->", unit[faces[:, 0]], crosses)) / 6
-        return np.array([np.sign(volume) if abs(volume) > _NO_VOLUME * area[largest[0]] ** 1.5 else 0.0])
+        volume = relative_volume(unit, faces)
+        return np.array([np.sign(volume) if abs(volume) > _NO_VOLUME else 0.0])
     chosen = [_spread(np.flatnonzero(piece == label), crosses) for label in largest]
     if not chosen:
         return np.empty(0)

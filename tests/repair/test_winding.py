@@ -11,6 +11,7 @@ from shapes import blob, creature, crooked, cylinder, grid, icosphere, moebius, 
 import qgeo_filters as qg
 from qgeo_filters.hosts.repair import repair_surface
 from qgeo_filters.matching.prepared_shape import PreparedShape
+from qgeo_filters.repair.winding import is_inside_out, relative_volume
 from qgeo_filters.surface import Surface
 
 BALL = icosphere(2)
@@ -115,6 +116,28 @@ def test_numbering_place_size_and_holes_do_not_matter(seed, hole, name):
     surface = Surface(placed, np.roll(random.permutation(np.argsort(order)[faces]), 1, axis=1))
     assert surface.winding == "outward"
     assert Surface(placed * [-1, 1, 1], surface.faces).winding == "inward"
+
+
+def test_the_volume_is_that_of_the_formula_wherever_the_surface_lies_and_with_holes():
+    sphere = icosphere(4)
+    assert relative_volume(*sphere) == pytest.approx(4 / 3 * np.pi / (4 * np.pi) ** 1.5, rel=2e-3)
+    assert relative_volume(*moved(sphere, (70, -50, 90), 3.0)) == pytest.approx(relative_volume(*sphere), rel=1e-9)
+    # A tube without lids: radius 1/2 and height 4 are an area of 4 pi, and pi less two cones up to the middle a volume.
+    tube = relative_volume(*cylinder(96, 48, radius=0.5, height=4.0))
+    assert tube == pytest.approx(np.pi * 2 / 3 / (4 * np.pi) ** 1.5, rel=5e-3)
+    assert relative_volume(*moved(BALL, scale=0.0)) == 0.0
+
+
+@pytest.mark.parametrize("name", TOLD)
+def test_a_mirror_image_is_inside_out_and_no_other_pose_is(name):
+    """Whichever side the faces show, and however the pose is turned and sized."""
+    vertices, faces = TOLD[name]
+    quarter = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    for triangles in (faces, faces[:, ::-1]):
+        assert is_inside_out(vertices * [-1, 1, 1], vertices, triangles)
+        assert is_inside_out(-2 * vertices @ quarter, vertices, triangles)
+        assert not is_inside_out(vertices, vertices, triangles)
+        assert not is_inside_out(3 * vertices @ quarter + np.ptp(vertices), vertices, triangles)
 
 
 # -- repair -------------------------------------------------------------------------------------------
