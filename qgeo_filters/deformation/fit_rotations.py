@@ -7,10 +7,10 @@ import numpy as np
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.jit import njit
 
-# Newton's steps, and the relative change at which they end.
-_STEPS, _SETTLED = 60, 1e-14
-# A quaternion whose four cofactors are all relatively smaller than this is not determined.
-_UNDETERMINED = 1e-12
+#: Newton's steps, and the relative change at which they end.
+NEWTON_STEPS, SETTLED = 60, 1e-14
+#: A quaternion whose four cofactors are all relatively smaller than this is not determined.
+UNDETERMINED = 1e-12
 
 
 @njit()
@@ -56,14 +56,14 @@ def _rotation(s: FloatArray, k: FloatArray, result: FloatArray) -> None:
         constant += k[0, b] * _cofactor(k, 0, b)
     scale = np.sqrt(3 * squares)
     largest = scale
-    for _ in range(_STEPS):
+    for _ in range(NEWTON_STEPS):
         value = ((largest * largest - 2 * squares) * largest + linear) * largest + constant
         slope = (4 * largest * largest - 4 * squares) * largest + linear
         if slope <= 0.0:
             break
         step = value / slope
         largest -= step
-        if step <= _SETTLED * scale:
+        if step <= SETTLED * scale:
             break
     for a in range(4):
         k[a, a] -= largest
@@ -72,7 +72,7 @@ def _rotation(s: FloatArray, k: FloatArray, result: FloatArray) -> None:
         size = abs(_cofactor(k, a, a))
         if size > best:
             best, row = size, a
-    if best <= _UNDETERMINED * scale**3:
+    if best <= UNDETERMINED * scale**3:
         return
     w, x, y, z = _cofactor(k, row, 0), _cofactor(k, row, 1), _cofactor(k, row, 2), _cofactor(k, row, 3)
     unit = 1 / np.sqrt(w * w + x * x + y * y + z * z)

@@ -9,15 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray
+from qgeo_filters.deformation.fit_rotations import NEWTON_STEPS, SETTLED, UNDETERMINED
 from qgeo_filters.jit import njit
 
 #: Moments that are computed side by side: a constant, for which the loops over them become vector instructions (with 8
 #: the compiler unrolls them instead, which takes 1.4 times as long; benchmarks/deformation.py, speed).
 LANES = 16
-# Newton's steps, and the relative change at which they end, as in `fit_rotations`.
-_STEPS, _SETTLED = 60, 1e-14
-# A quaternion whose four cofactors are all relatively smaller than this is not determined.
-_UNDETERMINED = 1e-12
 # Rows of LANES numbers in the scratch of one triangle: frame 0-8, matrix 9-17, quaternion 18-21, largest eigenvalue 22,
 # its polynomial 23-25, scale 26.
 _ROWS = 27
@@ -147,7 +144,7 @@ def _fit(s: FloatArray) -> None:
         s[25 * LANES + i] = s0 * c5 - s1 * c4 + s2 * c3 + s3 * c2 - s4 * c1 + s5 * c0
         s[26 * LANES + i] = np.sqrt(3 * squares)
         s[22 * LANES + i] = s[26 * LANES + i]
-    for _ in range(_STEPS):
+    for _ in range(NEWTON_STEPS):
         moving = 0
         for i in range(LANES):
             largest, squares = s[22 * LANES + i], s[23 * LANES + i]
@@ -155,7 +152,7 @@ def _fit(s: FloatArray) -> None:
             slope = (4 * largest * largest - 4 * squares) * largest + s[24 * LANES + i]
             step = value / slope if slope > 0 else 0.0
             s[22 * LANES + i] = largest - step
-            moving += 1 if step > _SETTLED * s[26 * LANES + i] else 0
+            moving += 1 if step > SETTLED * s[26 * LANES + i] else 0
         if moving == 0:
             break
     for i in range(LANES):
@@ -183,7 +180,7 @@ def _fit(s: FloatArray) -> None:
         if abs(a33) > best:
             best, w, x, y, z = abs(a33), a03, a13, a23, a33
         scale = s[26 * LANES + i]
-        known = best > _UNDETERMINED * scale * scale * scale
+        known = best > UNDETERMINED * scale * scale * scale
         unit = 1 / np.sqrt(w * w + x * x + y * y + z * z) if known else 0.0
         s[18 * LANES + i] = w * unit if known else 1.0
         s[19 * LANES + i] = x * unit if known else 0.0

@@ -42,7 +42,7 @@ def posed(surface: Surface, targets: FloatArray, turning: float, placing: float)
     arap = ArapSolver(vertices, surface.faces)
     pull = Pull("pose", share / turning**2)
     solve = arap.prefactor(pull)
-    positions = goal if known.all() else _filled(vertices, surface.faces, share, goal)
+    positions = goal if known.all() else _harmonic_extension(vertices, surface.faces, share, goal)
     for smoothing in (*_SMOOTHING, *(0,) * _PASSES):
         positions = arap.iterate(solve, pull, positions, goal, smoothing)
     arap.release()
@@ -50,7 +50,7 @@ def posed(surface: Surface, targets: FloatArray, turning: float, placing: float)
     return unit * PoissonSolver(vertices, surface.faces, share / placing**2)(turned, goal)
 
 
-def _filled(vertices: FloatArray, faces: IntArray, share: FloatArray, goal: FloatArray) -> FloatArray:
-    """The goal where a vertex has one, and evenly spread in between."""
+def _harmonic_extension(vertices: FloatArray, faces: IntArray, share: FloatArray, goal: FloatArray) -> FloatArray:
+    """The goal where a vertex has one, and harmonic in between, so that it is spread evenly."""
     flat = np.zeros((len(faces), 3, 3))
     return PoissonSolver(vertices, faces, share / _EXACTLY**2)(flat, goal)

@@ -89,7 +89,7 @@ def _sampling(x: Surface, y: Surface, place: BarycentricMap, flat: np.ndarray) -
     row, column = row[~flat[column]], column[~flat[column]]
     shares = sparse.csr_array((np.ones(len(row)), (row, column)), (y.n_faces, x.n_faces))
     total = np.asarray(shares.sum(axis=1)).ravel()
-    return _filled(sparse.csr_array(sparse.diags_array(1 / np.maximum(total, 1)) @ shares), total > 0, y)
+    return _with_nearest_rows(sparse.csr_array(sparse.diags_array(1 / np.maximum(total, 1)) @ shares), total > 0, y)
 
 
 def _longest(points: FloatArray, faces: np.ndarray) -> FloatArray:
@@ -98,7 +98,7 @@ def _longest(points: FloatArray, faces: np.ndarray) -> FloatArray:
     return sides
 
 
-def _filled(rows: sparse.csr_array, known: np.ndarray, y: Surface) -> sparse.csr_array:
+def _with_nearest_rows(rows: sparse.csr_array, known: np.ndarray, y: Surface) -> sparse.csr_array:
     """The same, rows of triangles that are not known being those of the nearest known ones."""
     if known.all():
         return rows
