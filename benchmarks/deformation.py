@@ -27,7 +27,7 @@ from sumner_popovic import PlainTransfer
 
 import qgeo_filters as qg
 from qgeo_filters.animation.measures import edge_changes, folded_edges
-from qgeo_filters.animation.transfer import PoseTransfer
+from qgeo_filters.animation.pose_transfer import PoseTransfer
 from qgeo_filters.closest_points import closest_points
 from qgeo_filters.decimation import decimated
 from qgeo_filters.deformation.interpolation import InterpolationPath

@@ -16,8 +16,8 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from . import evaluation as evaluation
     from . import testing as testing
     from .animation.interpolate import interpolate as interpolate
+    from .animation.pose_transfer import Transfer as Transfer
     from .animation.sequence import Animation as Animation
-    from .animation.transfer import Transfer as Transfer
     from .animation.transfer import transfer_deformation as transfer_deformation
     from .animation.transfer import transfer_pose as transfer_pose
     from .animation.transfer import transferred_poses as transferred_poses
@@ -169,7 +169,7 @@ _HOME = {
     "transfer_deformation": "animation.transfer",
     "transferred_poses": "animation.transfer",
     "transfer_pose": "animation.transfer",
-    "Transfer": "animation.transfer",
+    "Transfer": "animation.pose_transfer",
     "interpolate": "animation.interpolate",
     "Animation": "animation.sequence",
     "write_animation": "report.animation_file",

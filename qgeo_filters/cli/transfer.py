@@ -73,9 +73,9 @@ def transfer(
     import numpy as np
 
     from qgeo_filters.animation.places import warned
+    from qgeo_filters.animation.pose_transfer import PoseTransfer
     from qgeo_filters.animation.poses import ScanFollower, given_pose
     from qgeo_filters.animation.sequence import Animation
-    from qgeo_filters.animation.transfer import PoseTransfer
     from qgeo_filters.cli import animations
     from qgeo_filters.cli.in_turn import Batch
     from qgeo_filters.cli.job import Job

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from qgeo_filters.animation.interpolate import interpolate
+from qgeo_filters.animation.pose_transfer import Transfer
 from qgeo_filters.animation.poses import same_triangles
 from qgeo_filters.animation.sequence import Animation
-from qgeo_filters.animation.transfer import Transfer, transfer_deformation
+from qgeo_filters.animation.transfer import transfer_deformation
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter

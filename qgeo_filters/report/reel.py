@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from qgeo_filters._typing import FloatArray
+from qgeo_filters.animation.pose_transfer import Transfer
 from qgeo_filters.animation.sequence import Animation
-from qgeo_filters.animation.transfer import Transfer
 from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.report.colors import MISSING, position_colors
 from qgeo_filters.report.render import CLAY, Image, render_mesh

@@ -9,7 +9,7 @@ import shapes
 import qgeo_filters as qg
 import qgeo_widgets as qw
 from qgeo_filters import Animation, Surface
-from qgeo_filters.animation.transfer import Transfer
+from qgeo_filters.animation.pose_transfer import Transfer
 from qgeo_filters.errors import ParameterError
 from qgeo_widgets.rendering import motion as motions
 from qgeo_widgets.rendering.motion import TICKS

@@ -17,7 +17,7 @@ import shapes
 import qgeo_filters as qg
 import qgeo_widgets as qw
 from qgeo_filters import Animation, Surface
-from qgeo_filters.animation.transfer import Transfer
+from qgeo_filters.animation.pose_transfer import Transfer
 from qgeo_widgets import symmetry_widget
 from qgeo_widgets.offscreen import pane_picture
 from qgeo_widgets.rendering.pane import Line

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from qgeo_filters.animation.pose_transfer import Transfer
 from qgeo_filters.animation.poses import given_poses
 from qgeo_filters.animation.sequence import Animation
-from qgeo_filters.animation.transfer import Transfer
 from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.hosts.dispatch import as_surface
 from qgeo_filters.surface import Surface
