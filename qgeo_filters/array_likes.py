@@ -37,6 +37,21 @@ def is_tensor(value: Any) -> bool:
     return callable(getattr(value, "cpu", None)) and callable(getattr(value, "numpy", None))
 
 
+def is_array_like(value: Any) -> bool:
+    """Whether it is an array, a tensor, a list or a tuple, or becomes an array by itself, as a data frame does."""
+    return isinstance(value, (list, tuple)) or is_array(value)
+
+
+def is_array(value: Any) -> bool:
+    """Whether it is an array of some library, or becomes one by itself; vectors of points of Open3D too."""
+    if isinstance(value, np.ndarray) or is_tensor(value) or hasattr(value, "__array__"):
+        return True
+    try:
+        return memoryview(value).ndim > 1
+    except (TypeError, ValueError):  # meshes of VTK seem to have a buffer, and then have none
+        return False
+
+
 def _element(value: Any) -> Any:
     if type(value).__name__ == "PickedPoint":  # of open3d.visualization
         return value.index

@@ -10,11 +10,15 @@ from tqdm.auto import tqdm
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.animation.places import MapLike, Places, places_on, warned
-from qgeo_filters.animation.poses import given_pose, laid_onto, same_triangles
+from qgeo_filters.animation.poses import given_pose, listed_poses, pose_surface, same_triangles
+from qgeo_filters.animation.scans import laid_onto
 from qgeo_filters.animation.sequence import Animation
+from qgeo_filters.array_likes import as_array
+from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.deformation.interpolation import InterpolationPath
 from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_given
+from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.parallel import default_workers, report_progress, single_threaded_blas
 from qgeo_filters.surface import Surface
 
@@ -38,14 +42,15 @@ def interpolate(
     ----------
     x : Surface, or whatever `as_surface` takes
         Where the way begins; its triangles are those of the result.
-    y : the same, or a sequence of such
-        The other end, or the poses that the way goes through; of the triangles of X, or any others.
+    y : the same, or an array (n_x, 3), or any iterable of such, or an array (k, n_x, 3)
+        The other end, or the poses that the way goes through; meshes of the triangles of X, or of any others, or
+        positions of its vertices.
     t : float or array-like
         0 is X, 1 is Y (or the first of several), 2 the second, and so on. Growing, where there are several.
     correspondence : MatchResult, BarycentricMap or array-like of int, shape (n_x,), optional
         A match of X and Y, in either direction; or the point, or vertex, of Y for each vertex of X; or, of several
-        poses, a list with one for each. By default a mesh of the same triangles corresponds vertex by vertex, and any
-        other is matched.
+        poses, a list with one, or None, for each. By default a mesh of the same triangles corresponds vertex by vertex,
+        and any other is matched.
     accept_unsure : bool
         Whether a match that is not sure is used all the same, with a warning.
     workers : int, optional
@@ -79,13 +84,11 @@ def interpolate(
     True
     """
     start, notes = as_given(x, "auto")
-    poses = list(y) if isinstance(y, list) else [y]
+    poses = list(listed_poses(y, "y"))
     if not poses:
-        raise ParameterError("y must be a pose or a list of poses, got an empty list")
+        raise ParameterError("y must be a pose or several, got none")
     times = _checked_times(t, len(poses))
-    maps = correspondence if isinstance(correspondence, list) and len(poses) > 1 else [correspondence] * len(poses)
-    if len(maps) != len(poses):
-        raise ParameterError(f"one correspondence for each of the {len(poses)} poses, got {len(maps)}")
+    maps = maps_of(correspondence, len(poses))
     ends, doubts = [start.vertices], tuple[str, ...]()
     with default_workers(workers), single_threaded_blas:
         for k, (pose, given) in enumerate(zip(poses, maps, strict=True)):
@@ -104,6 +107,26 @@ def interpolate(
     return Animation(start, np.stack(frames), times, notes)
 
 
+def maps_of(correspondence: Any, count: int) -> list[MapLike | None]:
+    """The map of each of so many poses: those of a list, or one for all of them.
+
+    Raises
+    ------
+    ParameterError
+        A list of another number.
+    """
+    if not isinstance(correspondence, (list, tuple)) or not any(map(_is_map, correspondence)):
+        return [correspondence] * count
+    if len(correspondence) != count:
+        raise ParameterError(f"one correspondence for each of the {count} poses, got {len(correspondence)}")
+    return list(correspondence)
+
+
+def _is_map(value: Any) -> bool:
+    """Whether it is a map, or stands for one, rather than the first vertex of one."""
+    return value is None or isinstance(value, (MatchResult, BarycentricMap)) or np.ndim(value) > 0
+
+
 def _frames(start: Surface, ends: list[FloatArray], times: FloatArray) -> Any:
     """Positions at each time; the path of each leg is made once, and its frames several side by side."""
     legs = np.minimum(times.astype(int), len(ends) - 2)
@@ -116,7 +139,7 @@ def _end(
     start: Surface, pose: Any, given: MapLike | None, accept_unsure: bool
 ) -> tuple[FloatArray, tuple[str, ...], Places | None]:
     """Positions of the vertices of X in the pose of Y, what was left out of Y, and the map, unless it is one to one."""
-    surface, left = as_given(pose, "auto")
+    surface, left = pose_surface(start, pose)
     if given is None and same_triangles(start, surface):
         return given_pose(start, pose), left, None
     places = places_on(surface, start, given, accept_unsure)
@@ -126,7 +149,10 @@ def _end(
 
 
 def _checked_times(t: float | npt.ArrayLike, last: int) -> FloatArray:
-    times = np.atleast_1d(np.asarray(t, dtype=np.float64))
+    given = as_array(t)
+    if given.dtype.kind not in "iuf":
+        raise ParameterError(f"t must be a number, or growing numbers, got {t!r}")
+    times: FloatArray = np.atleast_1d(given.astype(np.float64))
     if times.ndim != 1 or not times.size or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
         raise ParameterError("t must be a number, or growing numbers")
     if times[0] < 0 or times[-1] > last:

@@ -11,7 +11,8 @@ from tqdm.auto import tqdm
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.animation.places import MapLike, places_on, warned
 from qgeo_filters.animation.pose_transfer import OTHER_BODY, SAME_BODY, PoseTransfer, Transfer
-from qgeo_filters.animation.poses import given_poses, scanned_poses
+from qgeo_filters.animation.poses import given_poses
+from qgeo_filters.animation.scans import scanned_poses
 from qgeo_filters.deformation.pose import posed
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_given
 from qgeo_filters.parallel import default_workers, single_threaded_blas
@@ -38,8 +39,9 @@ def transfer_deformation(
     ----------
     x_reference, y_reference : Surface, or whatever `as_surface` takes
         The two shapes at rest, in any triangulation, position and size.
-    x_poses : array-like (k, n_x, 3), or sequence of arrays, meshes and paths
-        Poses of X: positions of the vertices of the reference; or, with ``scans=True``, meshes in any triangulation.
+    x_poses : array-like (k, n_x, 3), or any iterable of arrays, meshes and paths
+        Poses of X: positions of the vertices of the reference, or meshes of its triangles; with ``scans=True`` meshes
+        in any triangulation. One array (n_x, 3), mesh or path is one pose.
     correspondence : MatchResult, BarycentricMap or array-like of int, shape (n_y,), optional
         A match of the references, in either direction; or the point, or vertex, of X for each vertex of Y (-1: none).
         By default it is found by `match`.

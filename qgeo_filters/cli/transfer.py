@@ -74,7 +74,8 @@ def transfer(
 
     from qgeo_filters.animation.places import warned
     from qgeo_filters.animation.pose_transfer import PoseTransfer
-    from qgeo_filters.animation.poses import ScanFollower, given_pose
+    from qgeo_filters.animation.poses import given_pose
+    from qgeo_filters.animation.scans import ScanFollower
     from qgeo_filters.animation.sequence import Animation
     from qgeo_filters.cli import animations
     from qgeo_filters.cli.in_turn import Batch

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from qgeo_filters.animation.places import MapLike, places_on, warned
-from qgeo_filters.animation.poses import laid_onto
+from qgeo_filters.animation.scans import laid_onto
 from qgeo_filters.collection.unfolding import put_onto
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_given
 from qgeo_filters.parallel import default_workers, single_threaded_blas

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
-from qgeo_filters.animation.interpolate import interpolate
+from qgeo_filters.animation.interpolate import interpolate, maps_of
 from qgeo_filters.animation.pose_transfer import Transfer
-from qgeo_filters.animation.poses import same_triangles
+from qgeo_filters.animation.poses import listed_poses, pose_surface, same_triangles
 from qgeo_filters.animation.sequence import Animation
 from qgeo_filters.animation.transfer import transfer_deformation
-from qgeo_filters.errors import ParameterError
+from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.registry import registered
@@ -49,8 +49,8 @@ class DeformationTransfer(MovingFilter):
     ----------
     source : mesh of any kind, or path
         The other mesh at rest, as the filtered one is.
-    poses : sequence of arrays, meshes and paths
-        Of the source: positions of its vertices, or, with ``scans=True``, meshes in any triangulation.
+    poses : array, mesh or path, or any iterable of them
+        Of the source, as in `transfer_deformation`; what can be gone through only once is kept as a list.
     frame : int
         Number of the pose in which the mesh comes back, from 0, negative ones from the end; all are in ``transfer_``.
     correspondence : MatchResult, BarycentricMap or array-like of int, optional
@@ -108,6 +108,7 @@ class DeformationTransfer(MovingFilter):
                 "DeformationTransfer needs the source and its poses: DeformationTransfer(source=mesh, poses=[...])"
             )
         source, _ = as_given(self.source, "auto")
+        self.poses = _kept(self.poses)
         found = self.correspondence
         if found is None:
             found = stages.correspondence_of(source, surface, True, progress)
@@ -135,10 +136,10 @@ class Interpolate(MovingFilter):
 
     Parameters
     ----------
-    target : mesh of any kind, or path
-        The other pose, in any triangulation.
+    target : mesh of any kind, path or array (n, 3), or any iterable of them
+        The other pose, or the poses that the way goes through, as in `interpolate`.
     t : float
-        0: where the mesh is, 1: where the target is.
+        0: where the mesh is, 1: where the (first) target is, 2: the second.
     correspondence : MatchResult, BarycentricMap or array-like of int, optional
         As in `interpolate`; by default a mesh of the same triangles corresponds vertex by vertex, and any other is
         matched, together with the `Correspondence` filter only once.
@@ -174,9 +175,20 @@ class Interpolate(MovingFilter):
         """Positions at t."""
         if self.target is None:
             raise ParameterError("Interpolate needs the other pose: Interpolate(target=mesh, t=0.5)")
-        target, _ = as_given(self.target, "auto")
-        found = self.correspondence
-        if found is None and not same_triangles(surface, target):
-            found = stages.correspondence_of(surface, target, True, progress)
-        self.animation_ = interpolate(surface, target, self.t, found, accept_unsure=self.accept_unsure)
+        if np.ndim(self.t):
+            raise ParameterError(f"t must be one number, got {self.t!r}: interpolate has the frames of several")
+        self.target = _kept(self.target)
+        targets = list(listed_poses(self.target, "target"))
+        maps = maps_of(self.correspondence, len(targets))
+        for k, target in enumerate(targets):
+            with concerning(f"pose {k}"):
+                other, _ = pose_surface(surface, target)
+            if maps[k] is None and not same_triangles(surface, other):
+                maps[k] = stages.correspondence_of(surface, other, True, progress)
+        self.animation_ = interpolate(surface, targets, self.t, maps, accept_unsure=self.accept_unsure)
         return self.animation_.positions[0]
+
+
+def _kept(poses: Any) -> Any:
+    """The same, a list where they can be gone through only once: a filter may be applied again."""
+    return list(poses) if isinstance(poses, Iterator) else poses

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import Any, TypeGuard
 
-from qgeo_filters.array_likes import as_array
+from qgeo_filters.array_likes import as_array, is_array_like
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.protocol import host_of, registered_hosts
 from qgeo_filters.io.formats import read_raw
@@ -43,6 +43,23 @@ def is_path(obj: object) -> TypeGuard[str | os.PathLike[str]]:
 def is_pair(obj: object) -> TypeGuard[tuple[Any, Any] | list[Any]]:
     """Whether the object may be a (vertices, faces) pair."""
     return isinstance(obj, (tuple, list)) and len(obj) == 2
+
+
+def is_pair_of_arrays(obj: object) -> bool:
+    """Whether the object is a (vertices, faces) pair for sure, rather than two meshes, or two arrays of positions."""
+    if not is_pair(obj) or not all(is_array_like(part) for part in obj):
+        return False
+    try:
+        vertices = as_array(obj[0])
+    except ValueError:  # rows of different lengths
+        return False
+    if vertices.ndim != 2:
+        return False
+    try:
+        faces = as_array(obj[1])
+    except ValueError:
+        return True
+    return faces.ndim == 2 and faces.dtype.kind in "iu" and (isinstance(obj, tuple) or faces.shape != vertices.shape)
 
 
 def _split(vertices: Any, faces: Any, repair: bool) -> RawMesh:

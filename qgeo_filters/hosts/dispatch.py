@@ -14,12 +14,13 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import RepairOption
-from qgeo_filters.array_likes import as_array
+from qgeo_filters.array_likes import as_array, is_array
 from qgeo_filters.errors import MeshError
-from qgeo_filters.hosts.arrays import is_pair, is_path, raw_mesh
+from qgeo_filters.hosts.arrays import is_pair, is_pair_of_arrays, is_path, raw_mesh
 from qgeo_filters.hosts.protocol import host_of
 from qgeo_filters.hosts.repair import Repair, needs_repair, repaired_within
 from qgeo_filters.io.formats import path_in_errors
+from qgeo_filters.io.raw_mesh import RawMesh
 from qgeo_filters.repair.sound import sound_mesh
 from qgeo_filters.repair.triangle_soup import Pieces, most_lost
 from qgeo_filters.surface import Surface
@@ -29,6 +30,7 @@ __all__ = [
     "SurfaceLike",
     "as_surface",
     "is_host_mesh",
+    "is_mesh",
     "raw_mesh",
     "surface_and_repair",
     "with_positions",
@@ -163,6 +165,15 @@ def write_back(host: Any, surface: Surface | None, attributes: Mapping[str, npt.
 def is_host_mesh(obj: Any) -> bool:
     """Whether the object is a mesh of another library, which `write_back` copies in kind."""
     return host_of(obj) is not None
+
+
+def is_mesh(obj: Any) -> bool:
+    """Whether the object names or is one mesh, as far as can be told without reading it, rather than several."""
+    if is_array(obj):  # those of the libraries, too
+        return False
+    if isinstance(obj, (Surface, RawMesh)) or is_path(obj) or is_host_mesh(obj) or is_pair_of_arrays(obj):
+        return True
+    return hasattr(obj, "vertices") and hasattr(obj, "faces")
 
 
 def with_positions(host: Any, vertices: npt.ArrayLike) -> Any:

@@ -138,9 +138,10 @@ def test_what_is_no_animation_is_a_sentence_in_the_widget(pair, walk):
     lost = x.vertices.copy()
     lost[3] = np.nan
     for given, options, sentence in [
-        (x, {}, "animate takes an Animation, a Transfer, or a sequence of meshes"),
-        (17, {}, "got one int"),
-        ((x.vertices, x.faces), {}, "got one tuple"),
+        (17, {}, "animate takes an Animation, a Transfer, or meshes with equal triangles, got one int"),
+        ({"a": x}, {}, "got one dict"),
+        (walk.positions, {}, "positions alone have no triangles"),
+        ([x.vertices], {}, "positions alone have no triangles"),
         ([], {}, "got an empty list"),
         ([x, y], {}, "other triangles"),
         ([x, lost], {}, "1 of 162 vertices are not finite"),
@@ -158,8 +159,19 @@ def test_what_is_no_animation_is_a_sentence_in_the_widget(pair, walk):
         widget.close()
 
 
-def test_meshes_with_equal_triangles_are_frames(pair, walk):
-    widget = qw.animate([(pose.vertices, pose.faces) for pose in walk])
+@pytest.mark.parametrize(
+    "frames",
+    [
+        list,
+        tuple,
+        iter,
+        lambda walk: [(pose.vertices, pose.faces) for pose in walk],
+        lambda walk: [walk[0], *walk.positions[1:]],
+    ],
+    ids=["list", "tuple", "generator", "pairs", "positions after the first"],
+)
+def test_meshes_with_equal_triangles_are_frames(walk, frames):
+    widget = qw.animate(frames(walk))
     assert widget.message == ""
     widget.frame = 2
     assert widget.time == 2.0
@@ -167,8 +179,19 @@ def test_meshes_with_equal_triangles_are_frames(pair, walk):
     widget.close()
 
 
-def test_a_single_frame_has_nothing_to_play(pair):
-    widget = qw.animate([pair[0]])
+def test_a_tuple_of_two_meshes_is_two_frames_and_one_of_vertices_and_faces_is_one(walk):
+    trimesh = pytest.importorskip("trimesh")
+    meshes = tuple(trimesh.Trimesh(pose.vertices, pose.faces, process=False) for pose in (walk[0], walk[1]))
+    for given, count in ((meshes, 2), ((walk[0].vertices, walk[0].faces), 1)):
+        widget = qw.animate(given)
+        assert widget.message == ""
+        np.testing.assert_allclose(widget._viewer.panes[0].motion.animation.positions, walk.positions[:count])
+        widget.close()
+
+
+@pytest.mark.parametrize("given", [lambda mesh: mesh, lambda mesh: [mesh]], ids=["mesh", "list"])
+def test_a_single_frame_has_nothing_to_play(pair, given):
+    widget = qw.animate(given(pair[0]))
     assert widget.message == ""
     widget.playing = True
     assert not widget.playing

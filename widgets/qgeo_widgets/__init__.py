@@ -45,9 +45,9 @@ def animate(
 
     Parameters
     ----------
-    animation : Animation, Transfer, or sequence of mesh objects
+    animation : Animation, Transfer, or any iterable of mesh objects
         What `qgeo_filters.interpolate`, `transfer_deformation` and the like return; or meshes with equal triangles,
-        anything that `qgeo_filters.as_surface` takes, one for each frame.
+        anything that `qgeo_filters.as_surface` takes, one for each frame; after the first also arrays of positions.
     seconds : float, optional
         From the first frame to the last at speed 1. By default a fifteenth of a second a frame, from 2 to 12 in all.
     attribute : str, optional

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
 from qgeo_filters.animation.pose_transfer import Transfer
-from qgeo_filters.animation.poses import given_poses
+from qgeo_filters.animation.poses import given_poses, has_no_triangles, listed_poses
 from qgeo_filters.animation.sequence import Animation
 from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.hosts.dispatch import as_surface
-from qgeo_filters.surface import Surface
 
-_WANTED = "animate takes an Animation, a Transfer, or a sequence of meshes with equal triangles"
+_WANTED = "animate takes an Animation, a Transfer, or meshes with equal triangles"
 
 
 def animations_of(given: Any) -> list[tuple[str, Animation]]:
@@ -37,14 +35,14 @@ def animations_of(given: Any) -> list[tuple[str, Animation]]:
 
 
 def _of_meshes(given: Any) -> Animation:
-    # Surfaces, paths, pairs (V, F) and meshes of other libraries are one mesh each, even where they can be iterated.
-    single = isinstance(given, (Surface, str, bytes, dict, np.ndarray)) or hasattr(given, "__fspath__")
-    pair = isinstance(given, tuple) and len(given) == 2 and all(np.ndim(part) == 2 for part in given)
-    if single or pair or hasattr(given, "vertices") or not isinstance(given, Iterable):
-        raise ParameterError(f"{_WANTED}, got one {type(given).__name__}")
-    meshes = list(given)
+    try:
+        meshes = list(listed_poses(given))
+    except ParameterError as error:
+        raise ParameterError(f"{_WANTED}, got one {type(given).__name__}") from error
     if not meshes:
         raise ParameterError(f"{_WANTED}, got an empty {type(given).__name__}")
+    if has_no_triangles(meshes[0]):
+        raise ParameterError("positions alone have no triangles: animate(qgeo_filters.Animation(mesh, positions))")
     with concerning("mesh 0"):
         first = as_surface(meshes[0])
     return Animation(first, np.stack(list(given_poses(first, meshes))))
