@@ -93,6 +93,17 @@ def checked_attributes(attributes: Mapping[str, npt.ArrayLike], n_vertices: int)
     return MappingProxyType(checked)
 
 
+def real_numbers(values: npt.ArrayLike, name: str) -> FloatArray:
+    """Copy of the numbers as float64, of any shape, or `ParameterError`."""
+    try:
+        array = as_array(values)
+    except ValueError as error:
+        raise ParameterError(f"{name} must be numbers in an array: {error}") from error
+    if array.dtype.kind not in "iuf":
+        raise ParameterError(f"{name} must be real numbers, got an array of {array.dtype}")
+    return np.array(array, dtype=np.float64)
+
+
 def checked_repair(repair: RepairOption) -> RepairOption:
     """The option as it is, or `ParameterError`."""
     if isinstance(repair, (bool, np.bool_)) or (isinstance(repair, str) and repair in ("auto", "force")):

@@ -10,17 +10,17 @@ from tqdm.auto import tqdm
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.animation.places import MapLike, Places, places_on, warned
-from qgeo_filters.animation.poses import given_pose, listed_poses, pose_surface, same_triangles
+from qgeo_filters.animation.poses import given_pose, given_shape, listed_poses, pose_surface, same_triangles
 from qgeo_filters.animation.scans import laid_onto
 from qgeo_filters.animation.sequence import Animation
-from qgeo_filters.array_likes import as_array
 from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.deformation.interpolation import InterpolationPath
 from qgeo_filters.errors import ParameterError, concerning
-from qgeo_filters.hosts.dispatch import SurfaceLike, as_given
+from qgeo_filters.hosts.dispatch import SurfaceLike
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.parallel import default_workers, report_progress, single_threaded_blas
 from qgeo_filters.surface import Surface
+from qgeo_filters.validation import real_numbers
 
 # Below which the mesh of X keeps its shape rather than follow the map onto Y, in sqrt(area).
 _ON_Y = 0.02
@@ -83,7 +83,7 @@ def interpolate(
     >>> bool(np.abs(half.edge_lengths / x.edge_lengths - 1).max() < 1e-6)
     True
     """
-    start, notes = as_given(x, "auto")
+    start, notes = given_shape(x, "X")
     poses = list(listed_poses(y, "y"))
     if not poses:
         raise ParameterError("y must be a pose or several, got none")
@@ -149,10 +149,7 @@ def _end(
 
 
 def _checked_times(t: float | npt.ArrayLike, last: int) -> FloatArray:
-    given = as_array(t)
-    if given.dtype.kind not in "iuf":
-        raise ParameterError(f"t must be a number, or growing numbers, got {t!r}")
-    times: FloatArray = np.atleast_1d(given.astype(np.float64))
+    times = np.atleast_1d(real_numbers(t, "t"))
     if times.ndim != 1 or not times.size or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
         raise ParameterError("t must be a number, or growing numbers")
     if times[0] < 0 or times[-1] > last:

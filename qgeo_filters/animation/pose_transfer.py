@@ -9,12 +9,13 @@ import numpy as np
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.animation.places import MapLike, Places, places_on
+from qgeo_filters.animation.poses import given_shape
 from qgeo_filters.animation.sequence import Animation
 from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.deformation.pose import posed
 from qgeo_filters.deformation.similarity import Similarity
 from qgeo_filters.deformation.transfer import GradientTransfer
-from qgeo_filters.hosts.dispatch import SurfaceLike, as_given
+from qgeo_filters.hosts.dispatch import SurfaceLike
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.surface import Surface
 
@@ -85,8 +86,8 @@ class PoseTransfer:
         accept_unsure: bool,
     ) -> PoseTransfer:
         """From the arguments of `transfer_deformation`."""
-        x, left_x = as_given(x_reference, "auto")
-        y, left_y = as_given(y_reference, "auto")
+        x, left_x = given_shape(x_reference, "X")
+        y, left_y = given_shape(y_reference, "Y")
         places = places_on(x, y, correspondence, accept_unsure)
         points = places.on_x.pulled_back(x.vertices)
         known = np.isfinite(points).all(axis=1)

@@ -10,14 +10,15 @@ import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.array_likes import as_array, is_array, is_array_like
-from qgeo_filters.errors import ParameterError, concerning
-from qgeo_filters.hosts.dispatch import as_given, is_mesh, raw_mesh
+from qgeo_filters.errors import MeshError, ParameterError, concerning
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_given, is_mesh, raw_mesh
 from qgeo_filters.repair.winding import is_inside_out
 from qgeo_filters.surface import Surface
-from qgeo_filters.validation import checked_vertices
+from qgeo_filters.validation import checked_vertices, real_numbers
 
 # Least share of the triangles that poses have in common with their reference, some edges flipped.
 _COMMON = 0.9
+_SCANS = "; scans=True takes poses in any triangulation"
 
 
 def listed_poses(poses: Any, name: str = "poses") -> Iterable[Any]:
@@ -51,6 +52,20 @@ def listed_poses(poses: Any, name: str = "poses") -> Iterable[Any]:
     return [poses] if isinstance(poses, (list, tuple)) and poses and _is_point(poses[0]) else poses
 
 
+def given_shape(mesh: SurfaceLike, name: str) -> tuple[Surface, tuple[str, ...]]:
+    """Surface of a mesh of any kind that has an area, and what was left out to hold it; errors begin with a name."""
+    with concerning(name):
+        surface, left = as_given(mesh, "auto")
+        return with_area(surface), left
+
+
+def with_area(surface: Surface) -> Surface:
+    """The same surface, or `MeshError`: lengths are compared with the root of the area."""
+    if not surface.area > 0:
+        raise MeshError("the surface has no area: all of its triangles are flat")
+    return surface
+
+
 def given_poses(reference: Surface, poses: Any) -> Iterator[FloatArray]:
     """Positions (n, 3) of the reference's vertices in each pose that has its triangles.
 
@@ -76,19 +91,20 @@ def given_poses(reference: Surface, poses: Any) -> Iterator[FloatArray]:
 def given_pose(reference: Surface, pose: Any) -> FloatArray:
     """Positions (n, 3) of the reference's vertices in one pose, as `given_poses` takes it."""
     if has_no_triangles(pose):
-        return _checked(reference, pose)
+        return _checked(reference, pose, _SCANS)
     surface, left = as_given(pose, "auto")
     if surface.n_vertices == reference.n_vertices and not same_triangles(reference, surface):
         raise ParameterError("as many vertices as the reference, but other triangles: scans=True matches it first")
     # What the repair left out has been given some place, which is none of the pose.
-    return _checked(reference, raw_mesh(pose, repair=True).vertices if left else surface.vertices)
+    return _checked(reference, raw_mesh(pose, repair=True).vertices if left else surface.vertices, _SCANS)
 
 
 def pose_surface(reference: Surface, pose: Any) -> tuple[Surface, tuple[str, ...]]:
     """A pose as a surface, with what was left out to hold it; positions alone have the reference's triangles."""
     if has_no_triangles(pose):
-        return reference.with_vertices(_checked(reference, pose)), ()
-    return as_given(pose, "auto")
+        return with_area(reference.with_vertices(_checked(reference, pose))), ()
+    surface, left = as_given(pose, "auto")
+    return with_area(surface), left
 
 
 def has_no_triangles(pose: Any) -> bool:
@@ -117,18 +133,11 @@ def _is_point(value: Any) -> bool:
     return is_array(value) and as_array(value).ndim == 1
 
 
-def _checked(reference: Surface, positions: npt.ArrayLike) -> FloatArray:
-    try:
-        given = as_array(positions)
-    except ValueError as error:
-        raise ParameterError(f"positions must be numbers in rows of three: {error}") from error
-    if given.dtype.kind not in "iuf":
-        raise ParameterError(f"positions must be real numbers, got an array of {given.dtype}")
-    array: FloatArray = given.astype(np.float64)
+def _checked(reference: Surface, positions: npt.ArrayLike, otherwise: str = "") -> FloatArray:
+    array = real_numbers(positions, "positions")
     if array.shape != reference.vertices.shape:
         raise ParameterError(
-            f"positions of shape {array.shape}, but the reference has {reference.n_vertices} vertices; "
-            "scans=True takes poses in any triangulation"
+            f"positions of shape {array.shape}, but the reference has {reference.n_vertices} vertices{otherwise}"
         )
     lost = np.flatnonzero(~np.isfinite(array).all(axis=1))
     if lost.size:

@@ -13,11 +13,12 @@ import numpy as np
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import MeshError, ParameterError, reason
+from qgeo_filters.hosts.dispatch import as_surface
 from qgeo_filters.html_repr import card, shown
 from qgeo_filters.io.formats import path_in_errors
 from qgeo_filters.io.number_files import saved_arrays
 from qgeo_filters.surface import Surface
-from qgeo_filters.validation import frozen
+from qgeo_filters.validation import frozen, real_numbers
 
 _ATTRIBUTE = "attribute_"
 
@@ -28,13 +29,13 @@ class Animation:
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface, or whatever `as_surface` takes
         Triangles and attributes; its own position is that at rest, and need be none of the frames.
     positions : array-like, shape (k, n, 3)
         Of its vertices in each of at least one frame.
     times : array-like, shape (k,), optional
         Growing, in any unit; 0, 1, 2 ... by default.
-    notes : sequence of str
+    notes : str or sequence of str
         What was repaired, taken for granted or is in doubt, a sentence each.
 
     Raises
@@ -56,26 +57,30 @@ class Animation:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        positions = np.array(self.positions, dtype=np.float64)
-        n = self.surface.n_vertices
+        surface = as_surface(self.surface)
+        positions = real_numbers(self.positions, "positions")
+        n = surface.n_vertices
         if positions.ndim != 3 or positions.shape[1:] != (n, 3) or not len(positions):
             raise ParameterError(f"positions must have shape (frames, {n}, 3), got {positions.shape}")
         lost = np.flatnonzero(~np.isfinite(positions).all(axis=(1, 2)))
         if lost.size:
             raise ParameterError(f"{lost.size} frame(s) with coordinates that are not finite, the first is {lost[0]}")
-        times = np.asarray(self.times, dtype=np.float64)
+        times = real_numbers(self.times, "times")
         times = times if times.size else np.arange(float(len(positions)))
         if times.shape != (len(positions),) or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
             raise ParameterError(f"times must be {len(positions)} growing numbers, one for each frame")
+        object.__setattr__(self, "surface", surface)
         object.__setattr__(self, "positions", frozen(positions))
-        object.__setattr__(self, "times", frozen(np.array(times)))
-        object.__setattr__(self, "notes", tuple(self.notes))
+        object.__setattr__(self, "times", frozen(times))
+        object.__setattr__(self, "notes", (self.notes,) if isinstance(self.notes, str) else tuple(self.notes))
 
     def __len__(self) -> int:
         return len(self.positions)
 
     def __getitem__(self, frame: int) -> Surface:
         """The surface in one frame, with its attributes; negative numbers count from the end."""
+        if not isinstance(frame, (int, np.integer)):
+            raise ParameterError(f"a frame is a whole number, got {frame!r}: positions has several")
         return self.surface.with_vertices(self.positions[frame])
 
     def __iter__(self) -> Iterator[Surface]:
@@ -83,7 +88,7 @@ class Animation:
 
     def at(self, time: float) -> FloatArray:
         """Positions (n, 3) at any time within, between two frames on straight lines."""
-        if not self.times[0] <= time <= self.times[-1]:
+        if not isinstance(time, (int, float, np.number)) or not self.times[0] <= time <= self.times[-1]:
             raise ParameterError(f"time must be from {self.times[0]:g} to {self.times[-1]:g}, got {time!r}")
         after = max(1, min(int(np.searchsorted(self.times, time)), len(self) - 1)) if len(self) > 1 else 0
         if after == 0:

@@ -11,10 +11,10 @@ from tqdm.auto import tqdm
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.animation.places import MapLike, places_on, warned
 from qgeo_filters.animation.pose_transfer import OTHER_BODY, SAME_BODY, PoseTransfer, Transfer
-from qgeo_filters.animation.poses import given_poses
+from qgeo_filters.animation.poses import given_poses, given_shape
 from qgeo_filters.animation.scans import scanned_poses
 from qgeo_filters.deformation.pose import posed
-from qgeo_filters.hosts.dispatch import SurfaceLike, as_given
+from qgeo_filters.hosts.dispatch import SurfaceLike
 from qgeo_filters.parallel import default_workers, single_threaded_blas
 from qgeo_filters.surface import Surface
 
@@ -184,6 +184,11 @@ def transfer_pose(
     ParameterError, MeshError
         See `transfer_deformation`.
 
+    Warns
+    -----
+    UserWarning
+        A correspondence that is not sure; triangles that no `Surface` can hold and that are left out.
+
     Examples
     --------
     >>> x = qg.testing.sample_surface()
@@ -194,11 +199,12 @@ def transfer_pose(
     Surface(162 vertices, 320 faces)
     """
     with default_workers(workers), single_threaded_blas:
-        pose, body = as_given(x, "auto")[0], as_given(y, "auto")[0]
+        (pose, left_x), (body, left_y) = given_shape(x, "X"), given_shape(y, "Y")
         places = places_on(pose, body, correspondence, accept_unsure)
         targets = places.on_x.pulled_back(pose.vertices) * np.sqrt(body.area / pose.area)
         moved = posed(body, targets, *(SAME_BODY if same_body else OTHER_BODY))
-    warned(places.doubts)
+    notes = *(f"X: {note}" for note in left_x), *(f"Y: {note}" for note in left_y)
+    warned((*notes, *places.doubts))
     share = pose.vertex_areas / pose.area
     return body.with_vertices(moved + share @ pose.vertices * (1 - np.sqrt(body.area / pose.area)))
 

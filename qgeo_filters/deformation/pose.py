@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
 
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.deformation.arap import ArapSolver, Pull
@@ -29,25 +31,51 @@ def posed(surface: Surface, targets: FloatArray, turning: float, placing: float)
     ----------
     surface : Surface
     targets : (n, 3) float64
-        Place of each vertex on the other shape, in the surface's size; NaN where there is none.
+        Place of each vertex on the other shape, in the surface's size; NaN where there is none. A piece without any
+        is carried along by the nearest triangle of the others.
     turning, placing : float
         Lengths in sqrt(area) below which targets are not followed, by the rotations and by the result: short where both
         are one body, long where they are two of different proportions.
     """
     unit = np.sqrt(surface.area)
     known = np.asarray(np.isfinite(targets).all(axis=1))
-    share = area_shares(surface) * known
-    goal = np.where(known[:, None], targets, 0.0) / unit
     vertices = surface.vertices / unit
+    _, piece = surface.components
+    lone = ~np.isin(piece, piece[known])
+    share = area_shares(surface) * (known | lone)
+    goal = np.where(lone[:, None], vertices, np.where(known[:, None], targets, 0.0) / unit)
     arap = ArapSolver(vertices, surface.faces)
     pull = Pull("pose", share / turning**2)
     solve = arap.prefactor(pull)
-    positions = goal if known.all() else _harmonic_extension(vertices, surface.faces, share, goal)
+    positions = goal if (known | lone).all() else _harmonic_extension(vertices, surface.faces, share, goal)
     for smoothing in (*_SMOOTHING, *(0,) * _PASSES):
         positions = arap.iterate(solve, pull, positions, goal, smoothing)
     arap.release()
     turned = fit_rotations(TriangleFrames(vertices, surface.faces).gradients(positions))
-    return unit * PoissonSolver(vertices, surface.faces, share / placing**2)(turned, goal)
+    placed = PoissonSolver(vertices, surface.faces, share / placing**2)(turned, goal)
+    if lone.any():
+        placed[lone] = _carried(vertices, placed, turned, surface.faces, lone, piece[lone])
+    return unit * placed
+
+
+def _carried(
+    rest: FloatArray,
+    placed: FloatArray,
+    turned: FloatArray,
+    faces: IntArray,
+    lone: npt.NDArray[np.bool_],
+    piece: IntArray,
+) -> FloatArray:
+    """Positions of lone vertices, each piece moved as the triangle nearest to it of those that are not lone."""
+    triangles = np.flatnonzero(~lone[faces[:, 0]])
+    centres = rest[faces[triangles]].mean(axis=1)
+    gaps, nearest = map(np.asarray, cKDTree(centres).query(rest[lone]))
+    order = np.lexsort((gaps, piece))
+    _, first, label = np.unique(piece[order], return_index=True, return_inverse=True)
+    near = np.empty_like(nearest)
+    near[order] = nearest[order][first][label]
+    carried = np.einsum("nij,nj->ni", turned[triangles[near]], rest[lone] - centres[near])
+    return carried + placed[faces[triangles[near]]].mean(axis=1)
 
 
 def _harmonic_extension(vertices: FloatArray, faces: IntArray, share: FloatArray, goal: FloatArray) -> FloatArray:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from typing import Any, TypeGuard
 
+import numpy as np
+
 from qgeo_filters.array_likes import as_array, is_array_like
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.protocol import host_of, registered_hosts
@@ -59,7 +61,11 @@ def is_pair_of_arrays(obj: object) -> bool:
         faces = as_array(obj[1])
     except ValueError:
         return True
-    return faces.ndim == 2 and faces.dtype.kind in "iu" and (isinstance(obj, tuple) or faces.shape != vertices.shape)
+    if faces.ndim != 2 or faces.dtype.kind not in "iuf":
+        return False
+    if len(faces) != len(vertices):
+        return bool(faces.dtype.kind in "iu" or np.all(faces == np.floor(faces)))
+    return isinstance(obj, tuple) and faces.dtype.kind in "iu"
 
 
 def _split(vertices: Any, faces: Any, repair: bool) -> RawMesh:

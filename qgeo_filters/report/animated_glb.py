@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from os import PathLike
 from typing import Any
 
@@ -50,6 +51,8 @@ def write_animated_glb(
 
     length = checked_seconds(seconds, len(animation))
     shapes = reels(animation, names, view)
+    if len(shapes) > 1 and shapes[0].name == shapes[1].name:  # nodes are known by their names
+        shapes = [replace(reel, name=f"{reel.name} {side}") for reel, side in zip(shapes, "XY", strict=True)]
     scene = trimesh.Scene()
     for reel, side in zip(shapes, (-1.0, 1.0) if len(shapes) > 1 else (0.0,), strict=True):
         surface = reel.animation.surface

@@ -57,6 +57,8 @@ def write_animation(
     >>> folder.cleanup()
     """
     suffix = checked_kind(path)
+    if not isinstance(animation, Animation):
+        raise ParameterError(f"an Animation is written, or a Transfer, got {type(animation).__name__}")
     if suffix == ".npz":
         animation.to_npz(path)
     elif suffix == ".glb":

@@ -20,6 +20,7 @@ from qgeo_filters.report.render import Image
 from qgeo_filters.report.view import View
 
 _HEIGHT = 320  # pixels of a frame of a film
+_SHORTEST, _LONGEST = 1e-3, 60.0  # seconds of a frame: what GIF and encoders of MP4 can say
 
 
 def plot_film_strip(
@@ -85,6 +86,11 @@ def write_film(
     if suffix not in (".gif", ".mp4"):
         raise ParameterError(f"a film is written as .gif or .mp4, got {Path(path).name}")
     seconds = checked_seconds(seconds, len(animation))
+    if not _SHORTEST <= seconds / len(animation) <= _LONGEST:
+        raise ParameterError(
+            f"a frame of a film lasts from {_SHORTEST:g} to {_LONGEST:g} s: {len(animation)} frames do not fit "
+            f"{seconds:g} s"
+        )
     shapes = reels(animation, names, view)
     pictures = (_beside(shapes, frame) for frame in range(len(animation)))
     if suffix == ".gif":
@@ -97,7 +103,8 @@ def checked_seconds(seconds: float | None, frames: int) -> float:
     """How long so many frames take: a twelfth of a second each by default; `ParameterError` for what is no time."""
     if seconds is None:
         return frames / 12.0
-    if not (np.isfinite(seconds) and seconds > 0):
+    number = isinstance(seconds, (int, float, np.number)) and not isinstance(seconds, bool)
+    if not number or not (np.isfinite(seconds) and seconds > 0):
         raise ParameterError(f"seconds must be a positive number, got {seconds!r}")
     return float(seconds)
 

@@ -10,6 +10,7 @@ from qgeo_filters._typing import FloatArray
 from qgeo_filters.animation.pose_transfer import Transfer
 from qgeo_filters.animation.sequence import Animation
 from qgeo_filters.barycentric import BarycentricMap
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.report.colors import MISSING, position_colors
 from qgeo_filters.report.render import CLAY, Image, render_mesh
 from qgeo_filters.report.view import View, best_view
@@ -64,6 +65,8 @@ class Reel:
 
 def reels(animation: Animation, names: tuple[str, str] = ("X", "Y"), view: View | None = None) -> list[Reel]:
     """The shapes of an animation: one in clay; of a `Transfer` both, what belongs together in one colour."""
+    if isinstance(names, str) or len(names) != 2:
+        raise ParameterError(f"names must be two, of X and of Y, got {names!r}")
     surface = animation.surface
     if not isinstance(animation, Transfer) or animation.source is None or animation.place is None:
         view = view or best_view(animation.positions[0], surface.faces)

@@ -101,7 +101,15 @@ def test_arrays_are_written_as_well(transfer: qg.Transfer, tmp_path: Path) -> No
 
 @pytest.mark.parametrize(
     ("name", "seconds", "said"),
-    [("film.avi", None, ".glb, .gif, .mp4 or .npz"), ("film.gif", 0.0, "positive"), ("film.glb", np.nan, "positive")],
+    [
+        ("film.avi", None, ".glb, .gif, .mp4 or .npz"),
+        ("film.gif", 0.0, "positive"),
+        ("film.glb", np.nan, "positive"),
+        ("film.glb", "2", "positive"),
+        ("film.glb", True, "positive"),
+        ("film.gif", 1e9, "a frame of a film lasts from 0.001 to 60 s: 3 frames do not fit 1e\\+09 s"),
+        ("film.mp4", 1e-9, "a frame of a film lasts"),
+    ],
 )
 def test_what_cannot_be_written_is_refused(
     transfer: qg.Transfer, tmp_path: Path, name: str, seconds: float | None, said: str
@@ -109,6 +117,26 @@ def test_what_cannot_be_written_is_refused(
     with pytest.raises(qg.ParameterError, match=said):
         qg.write_animation(tmp_path / name, transfer, seconds=seconds)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_no_animation_is_not_written(transfer: qg.Transfer, tmp_path: Path) -> None:
+    for name in ("film.glb", "film.gif", "film.npz"):
+        for given in (transfer.surface, list(transfer), None):
+            with pytest.raises(qg.ParameterError, match="an Animation is written, or a Transfer, got"):
+                qg.write_animation(tmp_path / name, given)
+    for names in ("XY", ("X",), ("X", "Y", "Z")):
+        with pytest.raises(qg.ParameterError, match="names must be two"):
+            qg.write_animation(tmp_path / "film.glb", transfer, names=names)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_two_shapes_of_one_name_both_move(transfer: qg.Transfer, tmp_path: Path) -> None:
+    """As of horse.obj in two folders: the nodes of a scene are known by their names."""
+    qg.write_animation(tmp_path / "film.glb", transfer, names=("horse", "horse"))
+    tree, _ = document(tmp_path / "film.glb")
+    moving = {channel["target"]["node"] for channel in tree["animations"][0]["channels"]}
+    assert {tree["nodes"][node]["name"] for node in moving} == {"horse X", "horse Y"}
+    assert all("targets" in mesh["primitives"][0] for mesh in tree["meshes"])
 
 
 def test_a_film_strip_shows_both_shapes_in_one_scale(transfer: qg.Transfer) -> None:

@@ -71,7 +71,7 @@ NEITHER = {
     "numbers in a row": (lambda: POSES.ravel(), r"got \(972,\)"),
     "text": (lambda: [[["a"] * 3] * X.n_vertices] * 3, "pose 0: positions must be real numbers, got an array of <U1"),
     "complex": (lambda: [POSES[0] + 0j], "pose 0: positions must be real numbers, got an array of complex128"),
-    "rows of different lengths": (lambda: [[[0, 1, 2], [0, 1], [0]]], "pose 0: positions must be numbers in rows"),
+    "rows of different lengths": (lambda: [[[0, 1, 2], [0, 1], [0]]], "pose 0: positions must be numbers in an array"),
     "too wide": (lambda: [1e200 * POSES[0]], "pose 0: .*units wide"),
     "one that is empty": (lambda: [np.empty((0, 3))], r"pose 0: positions of shape \(0, 3\)"),
     "triangles of other vertices": (lambda: [(POSES[0], X.faces + 1)], "pose 0: "),

@@ -31,8 +31,28 @@ def test_between_frames_are_straight_lines() -> None:
     np.testing.assert_allclose(film.at(0.0), BALL.vertices)
     np.testing.assert_allclose(film.at(3.0), 4 * BALL.vertices)
     assert np.array_equal(qg.Animation(BALL, GROWING[:1]).at(0.0), BALL.vertices)
-    with pytest.raises(qg.ParameterError, match="from 0 to 3"):
-        film.at(3.5)
+    for time in (3.5, -0.1, np.nan, None, "1", [0, 1]):
+        with pytest.raises(qg.ParameterError, match="from 0 to 3"):
+            film.at(time)
+    for frame in (slice(0, 2), 0.5, "0", [0, 1]):
+        with pytest.raises(qg.ParameterError, match="a frame is a whole number"):
+            film[frame]
+
+
+def test_it_is_made_of_whatever_holds_a_mesh_and_numbers() -> None:
+    single = np.asfortranarray(GROWING.astype(np.float32))
+    single.setflags(write=False)
+    before = single.copy()
+    for positions in (GROWING.tolist(), tuple(GROWING), single):
+        film = qg.Animation((BALL.vertices, BALL.faces), positions, (0, 1, 3), "one thing")
+        np.testing.assert_allclose(film.positions, GROWING, rtol=1e-6)
+        assert film.notes == ("one thing",)
+        assert film[np.int64(2)].n_vertices == 42
+    np.testing.assert_array_equal(single, before)
+    given = GROWING.copy()
+    film = qg.Animation(BALL, given)
+    given += 1  # what is done to the array afterwards is not done to the animation
+    assert np.array_equal(film.positions, GROWING)
 
 
 def test_a_file_holds_all_of_it(tmp_path: Path) -> None:
@@ -60,6 +80,23 @@ def test_what_is_no_animation_is_refused(tmp_path: Path) -> None:
     ]:
         with pytest.raises(qg.ParameterError, match=said):
             qg.Animation(BALL, positions, np.array(times, dtype=float))
+    for positions, times, said in [
+        ([GROWING[0], GROWING[1][:-1]], (), "positions must be numbers in an array"),
+        ([BALL, BALL], (), "positions must be real numbers, got an array of object"),
+        (GROWING + 0j, (), "positions must be real numbers, got an array of complex128"),
+        ("abc", (), "positions must be real numbers"),
+        (GROWING, ("a", "b", "c"), "times must be real numbers"),
+        (GROWING, None, "times must be real numbers"),
+    ]:
+        with pytest.raises(qg.ParameterError, match=said):
+            qg.Animation(BALL, positions, times)
+    for mesh, said in [
+        (None, "cannot take a mesh from"),
+        ((lost[1], BALL.faces), r"vertices\[5\]"),
+        ((BALL.vertices, BALL.faces + 1), r"refers to vertex 42, but there are 42"),
+    ]:
+        with pytest.raises(qg.MeshError, match=said):
+            qg.Animation(mesh, GROWING)
     np.savez(tmp_path / "other.npz", a=np.zeros(3))
     with pytest.raises(qg.MeshError, match=r"other.npz: .*no positions"):
         qg.Animation.from_npz(tmp_path / "other.npz")

@@ -91,6 +91,21 @@ def test_a_piece_without_any_partner_goes_where_its_neighbour_goes() -> None:
     np.testing.assert_allclose(found, y.vertices @ turn.T + [0, 0, 4], atol=1e-6)
 
 
+def test_a_piece_without_any_target_keeps_its_place_beside_what_is_nearest_to_it() -> None:
+    """As the eyes of a head of which only the skin is mapped."""
+    body = Surface(*blob(2))
+    (ball, faces), n = icosphere(1, 0.1), body.n_vertices
+    eyes = [moved(ball, [0.4 * side, 0, 1.5]) for side in (-1, 1)]
+    whole = Surface(
+        np.concatenate([body.vertices, *eyes, [[5, 5, 5]]]),
+        np.concatenate([body.faces, faces + n, faces + n + len(ball)]),
+    )
+    turn = Rotation.from_rotvec([0.3, 0.7, 0]).as_matrix()
+    truth = whole.vertices @ turn.T + [0, 0, 4]
+    targets = np.where(np.arange(whole.n_vertices)[:, None] < n, truth, np.nan)
+    np.testing.assert_allclose(posed(whole, targets, 0.05, 0.05), truth, atol=1e-5)
+
+
 def test_a_triangle_torn_by_the_map_does_not_reach_for_what_lies_between() -> None:
     x = Surface(*creature())
     place = closest_points(x.vertices, x)
