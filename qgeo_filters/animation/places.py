@@ -22,6 +22,7 @@ from qgeo_filters.validation import checked_indices
 MapLike: TypeAlias = MatchResult | BarycentricMap | npt.ArrayLike
 
 
+_LANDMARKS = "give landmarks (correspondence=match(x, y, landmarks=...)), "
 _REVERSED = "the map reverses the orientation, as that of a left hand onto a right one: reflect one of the shapes first"
 # Mean cosine of normals, see `orientation`, below which a map that was given reverses it: a mirrored one has -.7.
 _TURNED_OVER = -0.3
@@ -37,7 +38,9 @@ class Places:
     doubts: tuple[str, ...] = ()
 
 
-def places_on(x: Surface, y: Surface, correspondence: MapLike | None, accept_unsure: bool) -> Places:
+def places_on(
+    x: Surface, y: Surface, correspondence: MapLike | None, accept_unsure: bool, remedy: str = _LANDMARKS
+) -> Places:
     """Point of X for each vertex of Y.
 
     Parameters
@@ -48,6 +51,8 @@ def places_on(x: Surface, y: Surface, correspondence: MapLike | None, accept_uns
         the vertices of Y, or the vertices nearest to them, (n_y,), -1: none. Found by `match` if it is not given.
     accept_unsure : bool
         Whether a match that is not sure is used all the same: the caller is to warn of the doubts.
+    remedy : str
+        What else to do about such a match, with a comma behind it.
 
     Raises
     ------
@@ -57,7 +62,7 @@ def places_on(x: Surface, y: Surface, correspondence: MapLike | None, accept_uns
     if correspondence is None:
         correspondence = match(x, y)
     if isinstance(correspondence, MatchResult):
-        return _of_match(x, y, correspondence, accept_unsure)
+        return _of_match(x, y, correspondence, accept_unsure, remedy)
     if isinstance(correspondence, BarycentricMap):
         return Places(_checked(x, y, correspondence))
     vertices = checked_indices(correspondence, x.n_vertices, "correspondence", missing=True)
@@ -74,7 +79,7 @@ def warned(doubts: Iterable[str]) -> None:
         warnings.warn(doubt, stacklevel=3)
 
 
-def _of_match(x: Surface, y: Surface, found: MatchResult, accept_unsure: bool) -> Places:
+def _of_match(x: Surface, y: Surface, found: MatchResult, accept_unsure: bool, remedy: str) -> Places:
     there, back = (_alike(found.x, a) and _alike(found.y, b) for a, b in ((x, y), (y, x)))
     if there and back:  # shapes of equal counts: told by where their vertices are
         back = np.array_equal(found.x.vertices, y.vertices) and not np.array_equal(found.x.vertices, x.vertices)
@@ -91,7 +96,7 @@ def _of_match(x: Surface, y: Surface, found: MatchResult, accept_unsure: bool) -
     if found.orientation < 0:
         raise ParameterError(f"{_REVERSED}{'; and ' if doubt else ''}{doubt}")
     if doubt and not accept_unsure:
-        raise ParameterError(f"{doubt}. Look at it, give landmarks to match, or say accept_unsure=True")
+        raise ParameterError(f"{doubt}. Look at it, {remedy}or say accept_unsure=True")
     return Places(_checked(x, y, place), found, found.repairs, (doubt,) if doubt else ())
 
 

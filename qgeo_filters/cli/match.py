@@ -11,6 +11,8 @@ from qgeo_filters.cli.kept import Cache
 from qgeo_filters.cli.options import (
     Also,
     Force,
+    Hints,
+    HintsFrame,
     Json,
     Output,
     Pictures,
@@ -40,15 +42,7 @@ def match(
             help="True vertex of Y (from 0; -1: not known) for each of X, as .npz, .npy or text: adds errors.",
         ),
     ] = None,
-    hints: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "--hints",
-            metavar="FILE",
-            help="What is roughly known, and steers the search: a vertex of X and one of Y a line, from 0; or, given "
-            "twice, landmarks on X and on Y, of which those of equal names belong together.",
-        ),
-    ] = None,
+    hints: Hints = None,
     landmarks_file: Annotated[
         Path | None,
         typer.Option(
@@ -62,10 +56,7 @@ def match(
         str | None,
         typer.Option("--specimen", metavar="NAME", help="Which specimen of a .tps file that holds several."),
     ] = None,
-    frame: Annotated[
-        Literal["RAS", "LPS"] | None,
-        typer.Option("--frame", help="Frame of the meshes: landmarks that say they are in the other one are turned."),
-    ] = None,
+    frame: HintsFrame = None,
     csv: Annotated[bool, typer.Option("--csv", help="Write the map as map.csv, a row for each vertex of X.")] = False,
     glb: Annotated[
         bool, typer.Option("--glb/--no-glb", help="Write both shapes in colours that belong together, as match.glb.")
@@ -112,7 +103,7 @@ def match(
     from qgeo_filters.cli.job import Job
     from qgeo_filters.filters import stages
     from qgeo_filters.io.hint_files import read_hints
-    from qgeo_filters.matching.hints import Hints
+    from qgeo_filters.matching import hints as known
     from qgeo_filters.matching.map_files import arrays_of
     from qgeo_filters.matching.partial.partial_match import matched_as_part
     from qgeo_filters.matching.prepared_shape import check_same_size
@@ -147,7 +138,7 @@ def match(
     shape_x, shape_y = job.read_given()
     shapes = shape_x, shape_y
     target = None if truth is None else read_truth(truth, shapes[0].n_vertices, shapes[1].n_vertices)
-    landmarks = Hints.of(*shapes, read_hints(hints, frame)).landmarks if hints else None
+    landmarks = known.Hints.of(*shapes, read_hints(hints, frame)).landmarks if hints else None
     marks = landmarks_file and outputs.landmarks_of_x(landmarks_file, shape_x, specimen, frame)
     whole = not matched_as_part(*shapes, as_part, normalize)
     if not normalize and whole:

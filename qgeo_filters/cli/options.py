@@ -77,6 +77,19 @@ Also = Annotated[
         show_default=False,
     ),
 ]
+Hints = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--hints",
+        metavar="FILE",
+        help="What is roughly known, and steers the search: a vertex of X and one of Y a line, from 0; or, given "
+        "twice, landmarks on X and on Y, of which those of equal names belong together.",
+    ),
+]
+HintsFrame = Annotated[
+    Literal["RAS", "LPS"] | None,
+    typer.Option("--frame", help="Frame of the meshes: landmarks that say they are in the other one are turned."),
+]
 Scalar = Annotated[
     str, typer.Option("--scalar", help="Curvature that bends the metric, or the name of an attribute of the mesh.")
 ]

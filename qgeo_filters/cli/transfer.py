@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -12,6 +12,8 @@ from qgeo_filters.cli.kept import Cache
 from qgeo_filters.cli.options import (
     Also,
     Force,
+    Hints,
+    HintsFrame,
     Json,
     Output,
     Pictures,
@@ -51,6 +53,8 @@ def transfer(
         bool,
         typer.Option("--align/--no-align", help="Fit turn, size and position of X to Y, or leave them."),
     ] = True,
+    hints: Hints = None,
+    frame: HintsFrame = None,
     unsure: Unsure = False,
     animate: Animate = None,
     seconds: Seconds = None,
@@ -65,6 +69,9 @@ def transfer(
     quiet: Quiet = False,
 ) -> None:
     """Move Y as X is moved: deformation transfer along a correspondence that is found, not given.
+
+    Where it is not sure nothing is moved: look at it with qgeo match, and give a few landmarks with --hints (the end
+    of the tail, the nose, a foot), or go on with --accept-unsure.
 
     Y_POSE.ply: Y in each pose, written as it is finished; a pose that cannot be read or does not fit is named, and the
     others go on. result.npz: positions (k, n_Y, 3), and corners (n_Y, 3) and
@@ -83,6 +90,8 @@ def transfer(
     from qgeo_filters.cli.job_text import as_title, numbered
     from qgeo_filters.filters import stages
     from qgeo_filters.io.folders import mesh_files
+    from qgeo_filters.io.hint_files import read_hints
+    from qgeo_filters.matching import hints as known
     from qgeo_filters.report.reel import transfer_colors
     from qgeo_filters.report.shown import Shown
 
@@ -94,12 +103,14 @@ def transfer(
     names = animations.animation_names(animate)
     y_file = mesh_files(onto)[0]
     frames = numbered([f"{y_file.stem}_{file.stem}" for file in files])
-    parameters = {
+    parameters: dict[str, Any] = {
         "poses": [str(file) for file in files],
         "scans": scans,
         "same_pose": same_pose,
         "same_body": same_body,
         "align": align,
+        "hints": hints and [str(file) for file in hints],
+        "frame": frame,
         "accept_unsure": unsure,
         "seconds": seconds,
         "repair": mend,
@@ -111,14 +122,15 @@ def transfer(
         parameters,
         [first, y_file],
         names=("X", "Y"),
-        inputs=files,
+        inputs=[*files, *(hints or ())],
         pictures=("film_strip",),
         texts=names,
         meshes_made=frames,
     )
     x, y = job.read_given()
+    landmarks = known.Hints.of(x, y, read_hints(hints, frame)).landmarks if hints else None
     with job.stage("correspondence"):
-        found = stages.correspondence_of(x, y, True, repair_x=mend, repair_y=mend)
+        found = stages.correspondence_of(x, y, True, repair_x=mend, repair_y=mend, landmarks=landmarks)
     for index, name in enumerate(("X: ", "Y: ")):
         job.repaired(index, [line.removeprefix(name) for line in found.repairs if line.startswith(name)])
     with job.stage("prepare"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -91,6 +92,42 @@ def test_lost_coordinates_and_mirror_images_are_named(qgeo: Qgeo, loaded: Loaded
     assert loaded(Path("qgeo-out/transfer-0-other"))[0]["results"]["frames"] == 2
 
 
+@pytest.mark.parametrize("command", [("transfer", "walk", "--onto"), ("interpolate", "walk/0.ply")])
+def test_an_unsure_map_is_refused_with_what_to_do_and_hints_reach_the_search(
+    qgeo: Qgeo, loaded: Loaded, folder: Path, monkeypatch: pytest.MonkeyPatch, command: tuple[str, ...]
+) -> None:
+    """A search that is sure of what it is told, and of nothing else."""
+    order = np.random.default_rng(0).permutation(X.n_vertices)
+    shuffled = qg.Surface(X.vertices[order], np.argsort(order)[X.faces])
+    shuffled.write(folder / "shuffled.ply")
+    found = qg.match(X, shuffled)
+    told = []
+
+    def search(x: qg.Surface, y: qg.Surface, *args: Any, landmarks: Any = None, **options: Any) -> qg.MatchResult:
+        told.append(None if landmarks is None else landmarks.tolist())
+        return dataclasses.replace(found, confident=landmarks is not None, explanation="the tail may be a leg")
+
+    monkeypatch.setattr(stages, "correspondence_of", search)
+    refused = qgeo(*command, "shuffled.ply", "--no-pictures")
+    assert refused.exit_code == 2
+    about = "pose 0 (shuffled.ply): " if command[0] == "interpolate" else ""
+    assert refused.stderr.splitlines()[-1] == (
+        f"qgeo: {about}the correspondence is not sure: the tail may be a leg. Look at it with qgeo match, give a few "
+        "landmarks with --hints, or say --accept-unsure"
+    )
+    (folder / "hints.csv").write_text("x,y\n3,5\n10,12 # a foot\n")
+    for name, vertices in (("x", X.vertices), ("y", shuffled.vertices)):
+        rows = "\n".join(f"{part},{','.join(map(str, vertices[v]))}" for part, v in (("tail", 7), ("nose", 9)))
+        (folder / f"{name}.csv").write_text(f"name,x,y,z\n{rows}\n")
+    for hints in (["hints.csv"], ["x.csv", "y.csv"]):
+        options = [word for file in hints for word in ("--hints", file)]
+        result = qgeo(*command, "shuffled.ply", "--no-pictures", *options, "-o", hints[0].removesuffix(".csv"))
+        assert result.exit_code == 0, result.stderr
+        content, _ = loaded(Path(hints[0].removesuffix(".csv")))
+        assert content["parameters"]["hints"] == hints
+    assert told == [None, [[3, 5], [10, 12]], [[7, 7], [9, 9]]]
+
+
 def test_without_a_good_pose_there_is_no_result(qgeo: Qgeo, folder: Path) -> None:
     for number in (2, 10):
         (folder / "walk" / f"{number}.ply").write_text("no mesh")
@@ -119,12 +156,21 @@ def test_the_way_through_poses(qgeo: Qgeo, loaded: Loaded, folder: Path) -> None
         (("transfer", "walk", "missing.ply", "--onto", "other.ply"), "missing.ply"),
         (("interpolate", "walk/0.ply", "missing.ply"), "missing.ply"),
         (("interpolate", "walk/0.ply", "walk/2.ply", "--frames", "1"), "frames"),
+        (("interpolate", "walk/0.ply", "walk/2.ply", "--frames", "0"), "frames"),
+        (("transfer", "walk", "--onto", "other.ply", "--hints", "bad.csv"), "bad.csv"),
+        (("transfer", "walk", "--onto", "other.ply", "--hints", "far.csv"), "999999"),
+        (("interpolate", "walk/0.ply", "walk/2.ply", "--hints", "far.csv"), "999999"),
+        (("interpolate", "walk/0.ply", "walk/2.ply", "--hints", "good.csv"), "vertex by vertex"),
+        (("interpolate", "walk/0.ply", "walk/2.ply", "walk/10.ply", "--hints", "good.csv"), "of one pose"),
+        (("transfer", "walk", "--onto", "other.ply", *(3 * ["--hints", "good.csv"])), "hints are one file"),
     ],
 )
 def test_bad_input(
     qgeo: Qgeo, folder: Path, arguments: tuple[str, ...], said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (folder / "walk-empty").mkdir()
+    for name, text in (("bad", "tail,17\n"), ("far", "3,999999\n"), ("good", "3,3\n")):
+        (folder / f"{name}.csv").write_text(text)
     monkeypatch.setattr(stages, "correspondence_of", lambda *args, **options: pytest.fail("searched before that"))
     result = qgeo(*arguments)
     assert result.exit_code == 2, result.stderr
