@@ -22,7 +22,6 @@ from qgeo_filters.validation import checked_indices
 MapLike: TypeAlias = MatchResult | BarycentricMap | npt.ArrayLike
 
 
-_LANDMARKS = "give landmarks (correspondence=match(x, y, landmarks=...)), "
 _REVERSED = "the map reverses the orientation, as that of a left hand onto a right one: reflect one of the shapes first"
 # Mean cosine of normals, see `orientation`, below which a map that was given reverses it: a mirrored one has -.7.
 _TURNED_OVER = -0.3
@@ -39,7 +38,7 @@ class Places:
 
 
 def places_on(
-    x: Surface, y: Surface, correspondence: MapLike | None, accept_unsure: bool, remedy: str = _LANDMARKS
+    x: Surface, y: Surface, correspondence: MapLike | None, accept_unsure: bool, by_landmarks: bool = True
 ) -> Places:
     """Point of X for each vertex of Y.
 
@@ -51,8 +50,8 @@ def places_on(
         the vertices of Y, or the vertices nearest to them, (n_y,), -1: none. Found by `match` if it is not given.
     accept_unsure : bool
         Whether a match that is not sure is used all the same: the caller is to warn of the doubts.
-    remedy : str
-        What else to do about such a match, with a comma behind it.
+    by_landmarks : bool
+        Whether the caller could steer such a match by landmarks, which the error then says.
 
     Raises
     ------
@@ -62,7 +61,7 @@ def places_on(
     if correspondence is None:
         correspondence = match(x, y)
     if isinstance(correspondence, MatchResult):
-        return _of_match(x, y, correspondence, accept_unsure, remedy)
+        return _of_match(x, y, correspondence, accept_unsure, by_landmarks)
     if isinstance(correspondence, BarycentricMap):
         return Places(_checked(x, y, correspondence))
     vertices = checked_indices(correspondence, x.n_vertices, "correspondence", missing=True)
@@ -79,7 +78,7 @@ def warned(doubts: Iterable[str]) -> None:
         warnings.warn(doubt, stacklevel=3)
 
 
-def _of_match(x: Surface, y: Surface, found: MatchResult, accept_unsure: bool, remedy: str) -> Places:
+def _of_match(x: Surface, y: Surface, found: MatchResult, accept_unsure: bool, by_landmarks: bool) -> Places:
     there, back = (_alike(found.x, a) and _alike(found.y, b) for a, b in ((x, y), (y, x)))
     if there and back:  # shapes of equal counts: told by where their vertices are
         back = np.array_equal(found.x.vertices, y.vertices) and not np.array_equal(found.x.vertices, x.vertices)
@@ -96,7 +95,9 @@ def _of_match(x: Surface, y: Surface, found: MatchResult, accept_unsure: bool, r
     if found.orientation < 0:
         raise ParameterError(f"{_REVERSED}{'; and ' if doubt else ''}{doubt}")
     if doubt and not accept_unsure:
-        raise ParameterError(f"{doubt}. Look at it, {remedy}or say accept_unsure=True")
+        more = "more " if len(found.landmark_errors) else ""
+        landmarks = f"give {more}landmarks (correspondence=match(x, y, landmarks=...)), " if by_landmarks else ""
+        raise ParameterError(f"{doubt}. Look at it, {landmarks}or say accept_unsure=True")
     return Places(_checked(x, y, place), found, found.repairs, (doubt,) if doubt else ())
 
 

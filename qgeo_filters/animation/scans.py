@@ -57,7 +57,7 @@ class ScanFollower:
         surface, _ = as_given(scan, "auto")
         marks = None if self._before is None else _marks(self._reference, self._before, surface)
         found = match(self._prepared, surface, landmarks=marks)
-        places = places_on(surface, self._reference, found, self._accept_unsure, remedy="")
+        places = places_on(surface, self._reference, found, self._accept_unsure, by_landmarks=False)
         warned(f"{called}: {doubt}" for doubt in places.doubts)
         self._before = laid_onto(self._reference, surface, places, _SCAN_LENGTH)
         return self._before

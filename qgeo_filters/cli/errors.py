@@ -24,8 +24,8 @@ _OPTIONS = {
     "normalize=True": "--normalize",
     "scans=True": "--scans",
     "baselines must": "--baselines must",
-    "Look at it, give landmarks (correspondence=match(x, y, landmarks=...)),": "Look at it with qgeo match, give a few "
-    "landmarks with --hints,",
+    "Look at it, ": "Look at it with qgeo match, ",
+    "landmarks (correspondence=match(x, y, landmarks=...))": "landmarks with --hints",
     "accept_unsure=True": "--accept-unsure",
     "say which by specimen=": "say which by --specimen",
     "give the landmarks in the other of the frames RAS and LPS": "say the frame of the meshes by --frame RAS or LPS",

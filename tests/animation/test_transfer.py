@@ -196,7 +196,15 @@ def test_maps_of_other_shapes_are_refused(
             dataclasses.replace(found, orientation=-0.8, confident=False, explanation="too alike"),
             "reflect one of the shapes first; and the correspondence is not sure: too alike",
         ),
-        (dataclasses.replace(found, confident=False, explanation="too alike"), "not sure: too alike.*accept_unsure"),
+        (
+            dataclasses.replace(found, confident=False, explanation="too alike"),
+            r"not sure: too alike. Look at it, give landmarks \(correspondence=match\(x, y, landmarks=...\)\), "
+            "or say accept_unsure=True",
+        ),
+        (
+            dataclasses.replace(found, confident=False, explanation="too alike", landmark_errors=np.zeros(3)),
+            "give more landmarks",
+        ),
     ]:
         with pytest.raises(qg.QgeoError, match=said):
             qg.transfer_deformation(fine, poses, coarse, given)

@@ -112,7 +112,7 @@ def test_an_unsure_map_is_refused_with_what_to_do_and_hints_reach_the_search(
     assert refused.exit_code == 2
     about = "pose 0 (shuffled.ply): " if command[0] == "interpolate" else ""
     assert refused.stderr.splitlines()[-1] == (
-        f"qgeo: {about}the correspondence is not sure: the tail may be a leg. Look at it with qgeo match, give a few "
+        f"qgeo: {about}the correspondence is not sure: the tail may be a leg. Look at it with qgeo match, give "
         "landmarks with --hints, or say --accept-unsure"
     )
     (folder / "hints.csv").write_text("x,y\n3,5\n10,12 # a foot\n")
