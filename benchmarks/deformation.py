@@ -46,6 +46,8 @@ TOSCA = [
     ("horse0", "horse10", "horse5"), ("michael0", "michael3", "michael7"), ("victoria0", "victoria1", "victoria10"),
     ("wolf0", "wolf1", "wolf2"),
 ]  # fmt: skip
+# Pairs of poses between which shapes are interpolated, by their numbers from 0.
+SEQUENCES = (("horse", 0, 5), ("cat", 0, 6), ("cat", 3, 8), ("lion", 1, 5))
 # Set, the individual whose pose is taken over, the one that takes it, and that one in this pose: the truth.
 PEOPLE = [
     ("kids_r", "0002.null.0", "0001.isometry.1", "0001.null.0"),
@@ -228,7 +230,7 @@ def interpolation(data: Path, record: Record) -> None:
     """Half way between poses."""
     columns = ("edges, mean %", "edges, 99 % below", "volume, %", "conformal")
     table = record.table("interpolation", "poses", "method", *columns, align="llrrrr")
-    for animal, i, j in (("horse", 0, 5), ("cat", 0, 6), ("cat", 3, 8), ("lion", 1, 5)):
+    for animal, i, j in SEQUENCES:
         rest, poses = sequence(data, animal)
         start, end = rest.with_vertices(poses[i]), poses[j]
         middle = 0.5 * (start.edge_lengths + rest.with_vertices(end).edge_lengths)

@@ -30,7 +30,9 @@ Animate = Annotated[
 ]
 Seconds = Annotated[
     float | None,
-    typer.Option("--seconds", help="How long the animation takes; a twelfth of a second a frame if left out."),
+    typer.Option(
+        "--seconds", help="How long the animation takes; a twelfth of a second a frame and at least two if left out."
+    ),
 ]
 Unsure = Annotated[
     bool, typer.Option("--accept-unsure", help="Go on, with a warning, where the correspondence is not sure.")

@@ -35,7 +35,8 @@ def write_animated_glb(
     path : path
     animation : Animation
     seconds : float, optional
-        How long it takes; a twelfth of a second a frame by default. Frames stand where their times are.
+        How long it takes; by default a twelfth of a second a frame, and at least two seconds.
+        Frames stand where their times are.
     names : (str, str)
         Of the nodes of X and Y.
     view : View, optional

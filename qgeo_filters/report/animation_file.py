@@ -33,7 +33,7 @@ def write_animation(
     animation : Animation
         Of a `Transfer` both shapes are shown, X beside Y, what belongs together in one colour.
     seconds : float, optional
-        How long it takes; a twelfth of a second a frame by default.
+        How long it takes; by default a twelfth of a second a frame, and at least two seconds.
     names : (str, str)
         Of X and Y.
     view : View, optional

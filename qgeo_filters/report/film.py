@@ -20,6 +20,7 @@ from qgeo_filters.report.render import Image
 from qgeo_filters.report.view import View
 
 _HEIGHT = 320  # pixels of a frame of a film
+_LEAST = 2.0  # seconds by default: a few poses that have little to do with each other are not to flicker by
 _SHORTEST, _LONGEST = 1e-3, 60.0  # seconds of a frame: what GIF and encoders of MP4 can say
 
 
@@ -49,7 +50,7 @@ def plot_film_strip(
             axes = figure.add_subplot(grid[i, j])
             show_picture(axes, reel.picture(reel.animation.positions[frame], max(int(height * DPI), 32)))
             if i == 0:
-                axes.set_title(f"{animation.times[frame]:g}", fontsize=8)
+                axes.set_title(f"{animation.times[frame]:.3g}", fontsize=8)
             if j == 0 and len(rows) > 1:
                 axes.text(-0.02, 0.5, reel.name, transform=axes.transAxes, ha="right", va="center", fontsize=9)
     return figure
@@ -71,7 +72,7 @@ def write_film(
         ``.gif``, or ``.mp4`` (with the extra ``video``).
     animation : Animation
     seconds : float, optional
-        How long it takes; a twelfth of a second a frame by default.
+        How long it takes; by default a twelfth of a second a frame, and at least two seconds.
     names, view
         See `plot_film_strip`.
 
@@ -100,9 +101,9 @@ def write_film(
 
 
 def checked_seconds(seconds: float | None, frames: int) -> float:
-    """How long so many frames take: a twelfth of a second each by default; `ParameterError` for what is no time."""
+    """How long so many frames take, as given or by default; `ParameterError` for what is no time."""
     if seconds is None:
-        return frames / 12.0
+        return max(frames / 12.0, _LEAST)
     number = isinstance(seconds, (int, float, np.number)) and not isinstance(seconds, bool)
     if not number or not (np.isfinite(seconds) and seconds > 0):
         raise ParameterError(f"seconds must be a positive number, got {seconds!r}")

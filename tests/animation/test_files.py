@@ -14,7 +14,7 @@ from PIL import Image
 from shapes import arched, creature
 
 import qgeo_filters as qg
-from qgeo_filters.report.film import plot_film_strip
+from qgeo_filters.report.film import checked_seconds, plot_film_strip
 
 
 @pytest.fixture(scope="module")
@@ -86,6 +86,11 @@ def test_a_gif_has_the_frames_and_the_time(transfer: qg.Transfer, tmp_path: Path
             pictures.append(np.asarray(film.convert("RGB")).astype(int))
     assert np.abs(pictures[0] - pictures[2]).max() > 50
     assert pictures[0].shape[1] > pictures[0].shape[0]  # two shapes side by side
+
+
+@pytest.mark.parametrize(("frames", "seconds"), [(1, 2.0), (3, 2.0), (24, 2.0), (48, 4.0)])
+def test_few_frames_do_not_flicker_by(frames: int, seconds: float) -> None:
+    assert checked_seconds(None, frames) == pytest.approx(seconds)
 
 
 def test_an_mp4_has_the_frames(transfer: qg.Transfer, tmp_path: Path) -> None:
