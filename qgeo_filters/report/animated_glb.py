@@ -40,7 +40,7 @@ def write_animated_glb(
     names : (str, str)
         Of the nodes of X and Y.
     view : View, optional
-        From which the shapes are placed; `best_view` of the first frame by default.
+        From which the shapes are placed; `best_view` of the first frame by default, of a `Transfer` that of Y at rest.
 
     Notes
     -----

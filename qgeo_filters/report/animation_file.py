@@ -37,7 +37,7 @@ def write_animation(
     names : (str, str)
         Of X and Y.
     view : View, optional
-        From where it is seen; `best_view` of the first frame by default.
+        From where it is seen; `best_view` of the first frame by default, of a `Transfer` that of Y at rest.
 
     Raises
     ------

@@ -37,7 +37,7 @@ def plot_film_strip(
     names : (str, str)
         Of X and Y.
     view : View, optional
-        `best_view` of the first frame by default; the same for both shapes.
+        `best_view` of the first frame by default, of a `Transfer` that of Y at rest; the same for both shapes.
     """
     rows = reels(animation, names, view)
     chosen = np.unique(np.linspace(0, len(animation) - 1, min(max(count, 1), len(animation))).round().astype(int))

@@ -64,7 +64,10 @@ class Reel:
 
 
 def reels(animation: Animation, names: tuple[str, str] = ("X", "Y"), view: View | None = None) -> list[Reel]:
-    """The shapes of an animation: one in clay; of a `Transfer` both, what belongs together in one colour."""
+    """The shapes of an animation: one in clay; of a `Transfer` both, what belongs together in one colour.
+
+    Seen by the `best_view` of the first frame, or of Y at rest.
+    """
     if isinstance(names, str) or len(names) != 2:
         raise ParameterError(f"names must be two, of X and of Y, got {names!r}")
     surface = animation.surface
@@ -72,7 +75,8 @@ def reels(animation: Animation, names: tuple[str, str] = ("X", "Y"), view: View 
         view = view or best_view(animation.positions[0], surface.faces)
         return [Reel(names[-1], animation, np.tile(CLAY, (surface.n_vertices, 1)), view)]
     source = animation.source
-    view = view or best_view(source.positions[0], source.surface.faces)
+    # Y stands in its own frame at rest, and that is how the view knows what is up; in a pose it may jump or lie.
+    view = view or best_view(surface.vertices, surface.faces)
     of_x, of_y = transfer_colors(source.surface, animation.place, view)
     return [Reel(names[0], source, of_x, view), Reel(names[1], animation, of_y, view)]
 

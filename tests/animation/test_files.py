@@ -11,10 +11,13 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
-from shapes import arched, creature
+from scipy.spatial.transform import Rotation
+from shapes import arched, creature, icosphere
 
 import qgeo_filters as qg
+from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.report.film import checked_seconds, plot_film_strip
+from qgeo_filters.report.reel import reels
 
 
 @pytest.fixture(scope="module")
@@ -142,6 +145,18 @@ def test_two_shapes_of_one_name_both_move(transfer: qg.Transfer, tmp_path: Path)
     moving = {channel["target"]["node"] for channel in tree["animations"][0]["channels"]}
     assert {tree["nodes"][node]["name"] for node in moving} == {"horse X", "horse Y"}
     assert all("targets" in mesh["primitives"][0] for mesh in tree["meshes"])
+
+
+def test_what_is_up_is_told_by_y_at_rest_and_not_by_a_pose_that_lies() -> None:
+    ball, faces = icosphere(2)
+    height = (ball[:, 2] + 1) / 2
+    top = qg.Surface(np.c_[ball[:, :2] * (1 - 0.9 * height)[:, None], height], faces)  # it stands along z
+    lying = top.vertices @ Rotation.from_rotvec([np.pi / 2, 0, 0]).as_matrix()
+    place = BarycentricMap.at_vertices(np.arange(top.n_vertices), top.faces, top.n_vertices)
+    moved = qg.Transfer(top, [lying], source=qg.Animation(top.with_vertices(lying), [lying]), place=place)
+    for reel in reels(moved):
+        assert reel.view.vertical.tolist() == [0, 0, 1]
+    assert reels(qg.Animation(top, [lying]))[0].view.vertical.tolist() == [0, 1, 0]
 
 
 def test_a_film_strip_shows_both_shapes_in_one_scale(transfer: qg.Transfer) -> None:
