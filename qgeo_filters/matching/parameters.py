@@ -176,9 +176,9 @@ class MatchingParameters(ShapeParameters):
     end_powers: tuple[float, float, float, float, float] = (0.5, 0.25, 3.0, 1.0, 1.0)
     #: The same for reflections, whose other bounds were tuned with these (symmetry).
     reflection_end_powers: tuple[float, float, float, float, float] = (1.0, 0.5, 2.0, 0.0, 0.0)
-    #: Where heat kernels lead a map elsewhere and all but they say that it is this many times as bad, they led it astray
-    #: (of 47 contenders of 23 pairs: 10 of 11 that came nearer to the truth have 1.06 and less, 34 of 36 that went away
-    #: from it, such as tails on hind legs, 1.54 and more).
+    #: Where heat kernels lead a map elsewhere and all but they say that it is this many times as bad, they led it
+    #: astray (of 47 contenders of 23 pairs: 10 of 11 that came nearer to the truth have 1.06 and less, 34 of 36 that went
+    #: away from it, such as tails on hind legs, 1.54 and more).
     led_astray: float = 1.3
     #: Of the times of heat the last ones are compared: the first varies between poses (tuning).
     hks_compared_from: int = 1
