@@ -170,8 +170,8 @@ class IntrinsicShape:
     def relief(self) -> FloatArray:
         """Height over the surface after more heat, along the normal, (n,), in sqrt(area): what bulges, what is hollow.
 
-        Where curvature, smoothed, knows a ball of fingers from a fist, this knows the chest from the back, of different
-        people, too (benchmarks/README.md, "What lost the right map").
+        Unlike smoothed curvature, of which fingers and toes have the most, it knows the chest from the back, also of
+        different people (benchmarks/README.md, "By what right and wrong maps are told").
         """
         smooth = self._heated(self.unit.vertices, self.parameters.relief_time)
         return frozen(np.einsum("ij,ij->i", self.unit.vertices - smooth, self.unit.vertex_normals))
