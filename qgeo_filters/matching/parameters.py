@@ -268,7 +268,7 @@ class MatchingParameters(ShapeParameters):
     margin: float = 1.3
     #: A map along which the relief disagrees by less than this times as much must cost this many times as much: a chest
     #: on a back can strain, tear and fold less than where it belongs (along settled wrong maps the relief disagrees
-    #: 1.21 times as much as along the right one and more; benchmarks/README.md, "By what right and wrong maps are told").
+    #: 1.21 times as much as along the right one and more; benchmarks, "By what right and wrong maps are told").
     contrary_relief: float = 0.88
     contrary_margin: float = 2.0
     #: The best map of the other handedness must cost this many times as much.
