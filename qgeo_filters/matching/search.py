@@ -69,8 +69,8 @@ def _cheaper_for_hints(problem: MatchProblem, found: Found, other: Found) -> Fou
 def searched(problem: MatchProblem, mirror: MirrorOption) -> Found:
     """The best map that one search finds.
 
-    A quick search first; where it leaves any doubt, or one has more handles, all that there is. Shapes of which neither has a left and a right
-    are matched both ways, since one may be the mirror image of the other.
+    A quick search first; where it leaves any doubt, or one shape has more handles, all that there is. Shapes of which
+    neither has a left and a right are matched both ways, since one may be the mirror image of the other.
     """
     asked = problem.with_mirrored_y() if mirror == "yes" else problem
     # Hints may contradict what seems clear, and where something has grown together distances mislead.
