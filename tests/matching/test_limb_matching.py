@@ -210,7 +210,7 @@ class TestLedByKernels:
 
     def test_a_part_that_fits_about_as_well_elsewhere_belongs_there(self, maps: tuple[Contender, Contender]) -> None:
         before, led = maps
-        taken = led_by_kernels(problem(), before, replace(led, without_kernels=1.5))
+        taken = led_by_kernels(problem(), before, replace(led, without_kernels=1.2))
         assert taken.to_finish is led.dense
 
     def test_what_has_hardly_moved_is_taken_as_it_was_led(self, maps: tuple[Contender, Contender]) -> None:
