@@ -159,7 +159,8 @@ def test_the_result_is_that_of_the_surface_bit_for_bit(name, make, tmp_path):
 
 @pytest.mark.parametrize("name", [name for name in CASES if name != "Surface"])
 def test_what_is_no_mesh_is_refused_in_one_sentence(name):
-    with pytest.raises(qg.MeshError, match=r"^([XY]: |surfaces\[0\]: )?cannot take a mesh from builtins\.int: expected"):
+    said = r"^([XY]: |surfaces\[0\]: )?cannot take a mesh from builtins\.int: expected"
+    with pytest.raises(qg.MeshError, match=said):
         CASES[name](3)
 
 
