@@ -18,6 +18,7 @@ from record import Record, machine, recorded
 from scipy.spatial import cKDTree
 
 from qgeo_filters.evaluation import VtsDataset
+from qgeo_filters.evaluation.datasets import PointMap
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.matching.initialization.candidates import mapped_points
 from qgeo_filters.matching.prepared_shape import PreparedShape
@@ -44,11 +45,16 @@ def main(record: Record) -> None:
         table.row(pair, *_cells(PreparedShape(data.read(x)), PreparedShape(data.read(y)), data.truth(x, y)))
 
 
-def _cells(x: PreparedShape, y: PreparedShape, truth) -> list[str]:  # type: ignore[no-untyped-def]
+def coarse_truth(x: PreparedShape, y: PreparedShape, truth: PointMap) -> np.ndarray:
+    """True vertex of the coarse Y for each of the coarse X, (n,): that of the nearest point for which it is known."""
     there = [np.arange(one.given.n_vertices) if one.repair is None else one.repair.vertex_of_original for one in (x, y)]
     known = x.vertex_of_full[there[0][truth.points]]
     nearest = cKDTree(x.unit.vertices[known]).query(x.unit.vertices)[1]
-    images = y.vertex_of_full[there[1][truth.images]][nearest]
+    return y.vertex_of_full[there[1][truth.images]][nearest]
+
+
+def _cells(x: PreparedShape, y: PreparedShape, truth: PointMap) -> list[str]:
+    images = coarse_truth(x, y, truth)
     distances = distance_matrix(y.surface) / y.scale
 
     def error(p2p: np.ndarray, points: np.ndarray | None = None) -> float:

@@ -16,8 +16,8 @@ import argparse
 from pathlib import Path
 
 import numpy as np
+from matching_lost import coarse_truth
 from record import Record, machine, recorded
-from scipy.spatial import cKDTree
 
 from qgeo_filters.differential.curvature import mean_curvature
 from qgeo_filters.evaluation import BENCHMARKS
@@ -67,10 +67,7 @@ def main(record: Record) -> None:
 
 def _ratios(x: PreparedShape, y: PreparedShape, truth: PointMap) -> list[dict[str, float]]:
     """Of each wrong contender, what it has beside the cheapest right one; none where there are not both."""
-    there = [np.arange(one.given.n_vertices) if one.repair is None else one.repair.vertex_of_original for one in (x, y)]
-    known = x.vertex_of_full[there[0][truth.points]]
-    nearest = cKDTree(x.unit.vertices[known]).query(x.unit.vertices)[1]
-    images = y.vertex_of_full[there[1][truth.images]][nearest]
+    images = coarse_truth(x, y, truth)
     distances = distance_matrix(y.surface) / y.scale
     problem = MatchProblem.of(x, y)
     keeping, _, _ = competing_candidates(problem)

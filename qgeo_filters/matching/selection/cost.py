@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from qgeo_filters._typing import IndexArray
 from qgeo_filters.matching.maps.map_distance import mean_distortion
-from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.registration_stages import Stages
 from qgeo_filters.matching.schedule import Schedule
-from qgeo_filters.matching.selection.signatures import (
-    curvature_agreement,
-    hks_agreement,
-    hks_agreements,
-    relief_agreement,
-)
+from qgeo_filters.matching.selection.signatures import curvature_agreement, hks_agreements, relief_agreement
 from qgeo_filters.matching.smooth_shells import DenseMap, register
 from qgeo_filters.parallel import concurrently
 
@@ -108,18 +101,24 @@ def measured(problem: MatchProblem, dense: DenseMap, number: int) -> Contender:
     folded = float(x.unit.face_areas @ against) / x.unit.area
     torn, strain = torn_share(problem, p2p), x.arap.energy(dense.positions)
     distortion = mean_distortion(problem, p2p[x.fps])
-    hks = hks_agreement(problem, p2p)
-    relief, curvature = relief_agreement(problem, p2p), curvature_agreement(problem, p2p)
+    kernels, relief = hks_agreements(problem, p2p), relief_agreement(problem, p2p)
+    hks = min(kernels[given.hks_compared_from :])
     # Squared: the cost is a product of several terms, each of which may grow as the distortion does.
     penalty = float(problem.penalties(x.fps, p2p[x.fps])) ** 2
-    terms = _Terms.of(given, distortion, strain, torn, folded, hks)
+    terms = _Terms(
+        strain=max(strain, given.least_strain),
+        torn=max(torn, given.least_torn),
+        folded=folded + given.least_folded,
+        distortion=max(distortion, given.least_distortion),
+        unlike=1 - hks + given.least_hks_gap,
+        relief=1 - relief + given.least_curvature_gap,
+        curvature=1 - curvature_agreement(problem, p2p) + given.least_curvature_gap,
+        kernels=1 - kernels[0] + given.least_hks_gap,
+    )
     powers = given.reflection_end_powers if problem.reflection else given.end_powers
-    gaps = 1 - relief + given.least_curvature_gap, 1 - curvature + given.least_curvature_gap
-    kernels = 1 - hks_agreements(problem, p2p)[0] + given.least_hks_gap
     return Contender(
         dense, distortion, strain, torn, folded, hks, relief,
-        penalty * terms.cost, penalty * terms.end_cost(powers, (*gaps, kernels)),
-        number, terms.stretched * gaps[0], penalty,
+        penalty * terms.cost, penalty * terms.end_cost(powers), number, terms.without_kernels, penalty,
     )  # fmt: skip
 
 
@@ -139,30 +138,21 @@ class _Terms:
     strain: float
     torn: float
     folded: float
-    unlike: float
     distortion: float
-
-    @classmethod
-    def of(
-        cls, given: MatchingParameters, distortion: float, strain: float, torn: float, folded: float, hks: float
-    ) -> _Terms:
-        return cls(
-            max(strain, given.least_strain),
-            max(torn, given.least_torn),
-            folded + given.least_folded,
-            1 - hks + given.least_hks_gap,
-            max(distortion, given.least_distortion),
-        )
-
-    @property
-    def stretched(self) -> float:
-        return self.strain * self.torn * self.distortion**0.5
+    unlike: float
+    relief: float
+    curvature: float
+    kernels: float
 
     @property
     def cost(self) -> float:
-        return self.stretched * self.folded * self.unlike
+        return self.strain * self.torn * self.folded * self.unlike * self.distortion**0.5
 
-    def end_cost(self, powers: tuple[float, ...], details: tuple[float, ...]) -> float:
-        shares, distortion, *others = powers
+    @property
+    def without_kernels(self) -> float:
+        return self.strain * self.torn * self.distortion**0.5 * self.relief
+
+    def end_cost(self, powers: tuple[float, float, float, float, float]) -> float:
+        shares, distortion, relief, curvature, kernels = powers
         product = self.strain * (self.torn * self.folded * self.unlike) ** shares * self.distortion**distortion
-        return float(product * math.prod(gap**power for gap, power in zip(details, others, strict=True)))
+        return float(product * self.relief**relief * self.curvature**curvature * self.kernels**kernels)
