@@ -58,7 +58,7 @@ def test_factorisations_are_dropped_when_a_match_is_interrupted(
         used.append(problem.x.arap.n_factorised)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cost, "hks_agreement", interrupted)
+    monkeypatch.setattr(cost, "hks_agreements", interrupted)
     with pytest.raises(KeyboardInterrupt):
         match(x, y)
     assert max(used) > 0
