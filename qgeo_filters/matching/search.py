@@ -116,6 +116,8 @@ def competing_candidates(problem: MatchProblem) -> tuple[list[Candidate], list[C
     if not reversing:
         return keeping, reversing, np.inf
     if not keeping:  # none was proposed: that does not say that none is as good
+        keeping = _rough_twins(problem, reversing)
+    if not keeping:
         return keeping, reversing, 1.0
     least = [max(min(c.mean_distortion for c in some), given.least_distortion) for some in (keeping, reversing)]
     apart = least[0] / least[1]

@@ -35,6 +35,15 @@ def test_a_mirror_image_is_found_vertex_by_vertex(mirror: str) -> None:
     assert np.abs(found.positions - found.y.vertices).max() < 0.05 * np.sqrt(found.y.area)
 
 
+@pytest.mark.parametrize("seed", [2, 3])
+def test_a_mirror_image_is_sure_where_no_map_that_keeps_the_orientation_is_proposed(seed: int) -> None:
+    """What it is compared with then are mirrored maps by reflections that the body nearly has."""
+    mesh = crooked(seed, 2)
+    found = qg.match(qg.Surface(*mesh), qg.Surface(*reflected(mesh)))
+    np.testing.assert_array_equal(found.p2p, np.arange(len(found.p2p)))
+    assert found.confident, found.explanation
+
+
 def test_the_orientation_is_kept_where_it_must_be() -> None:
     found = qg.match(described(), other_side(), mirror="no")
     assert found.orientation > 0
