@@ -1,6 +1,6 @@
 """`qg.match` on meshes with something wrong, as a Markdown table: what a user gets who repairs nothing.
 
-    python benchmarks/messes.py ROOT [--pair horse0-horse5] [--scape FOLDER] [--skulls FOLDER ...] [--json FILE]
+    python benchmarks/messes.py ROOT [--pair horse0-horse5] [--scape FOLDER] [--skulls FOLDER ...] [--wrapped FOLDER ...] [--json FILE]
 
 ROOT as for ``matching.py``. X is spoilt (see `mesh_messes`) and matched with Y as it is. Errors are those at the
 vertices of X that the tidy mesh has too, in units of sqrt(area) of Y; "without partner" is the share of these that
@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import itertools
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from geodesics_common import cpu
@@ -78,18 +79,21 @@ def real_repairs(record: Record, folder: Path) -> None:
         table.row(path.stem, shape.full.n_vertices, shape.full.genus, f"{seconds:.2f}", said)
 
 
-def real_rows(record: Record, folder: Path, count: int) -> None:
-    """A row for each of the first pairs of a folder."""
+def real_rows(record: Record, folder: Path, count: int, repair: Literal["auto", "wrap"] = "auto") -> None:
+    """A row for each of the first pairs of a folder, repaired or wrapped."""
     names = sorted(path.stem for path in folder.glob("*.off"))
     prepared: dict[str, qg.PreparedShape | str] = {}
     columns = ("mean error", "verdict", "seconds: repairs, match", "repaired of X")
-    table = record.table(f"{folder.name}, matches", folder.name, *columns, align="lrlrl")
+    name_of_table = f"{folder.name}, matches" if repair == "auto" else f"{folder.name}, matches of wraps"
+    table = record.table(name_of_table, folder.name, *columns, align="lrlrl")
     for one, other in list(itertools.combinations(names, 2))[:count]:
         repairing = 0.0
         for name in (one, other):
             if name not in prepared:
                 try:
-                    prepared[name], seconds = cpu(lambda name=name: qg.PreparedShape(folder / f"{name}.off"))
+                    prepared[name], seconds = cpu(
+                        lambda path=folder / f"{name}.off": qg.PreparedShape(path, repair=repair)
+                    )
                     repairing += seconds
                 except qg.MeshError as error:
                     prepared[name] = str(error)
@@ -115,6 +119,7 @@ def main(record: Record) -> None:
     parser.add_argument("--messes", nargs="+", choices=MESSES, default=list(MESSES), metavar="MESS")
     parser.add_argument("--scape", type=Path, help="folder of SCAPE_a")
     parser.add_argument("--skulls", type=Path, nargs="+", default=[], help="folders of mouse skulls, raw and wrapped")
+    parser.add_argument("--wrapped", type=Path, nargs="+", default=[], help="folders matched with repair='wrap'")
     parser.add_argument("--count", type=int, default=2, help="pairs of each folder")
     parser.add_argument("--repair-only", action="store_true", help="match nothing")
     arguments = parser.parse_args(record.arguments)
@@ -124,6 +129,8 @@ def main(record: Record) -> None:
         real_repairs(record, folder)
         if not arguments.repair_only:
             real_rows(record, folder, arguments.count)
+    for folder in arguments.wrapped:
+        real_rows(record, folder, 100, "wrap")
 
 
 if __name__ == "__main__":

@@ -74,6 +74,8 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .hosts.protocol import register_host as register_host
     from .hosts.repair import Repair as Repair
     from .hosts.repair import repair_surface as repair_surface
+    from .hosts.wrap import Wrap as Wrap
+    from .hosts.wrap import wrap_surface as wrap_surface
     from .io.landmark_files import read_landmarks as read_landmarks
     from .io.landmark_files import write_landmarks as write_landmarks
     from .io.landmarks import Landmarks as Landmarks
@@ -120,6 +122,8 @@ _HOME = {
     "as_surface": "hosts.dispatch",
     "repair_surface": "hosts.repair",
     "Repair": "hosts.repair",
+    "wrap_surface": "hosts.wrap",
+    "Wrap": "hosts.wrap",
     "polylines": "hosts.lines",
     "register_host": "hosts.protocol",
     "Host": "hosts.protocol",

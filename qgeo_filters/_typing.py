@@ -16,7 +16,7 @@ IndexArray = npt.NDArray[np.int64]
 #: Tables of a mesh: faces, edges, half-edges, labels of vertices.
 IntArray = npt.NDArray[np.int32]
 #: Whether a mesh is repaired as it is read; "auto": where something is wrong; "force": whatever has to be removed.
-RepairOption: TypeAlias = bool | Literal["auto", "force"]
+RepairOption: TypeAlias = bool | Literal["auto", "force", "wrap"]
 #: Whether one shape is matched as a part of the other; "auto" decides from the shapes.
 PartialOption: TypeAlias = bool | Literal["auto"]
 MirrorOption: TypeAlias = Literal["no", "yes", "auto"]

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from qgeo_filters import connectivity
 from qgeo_filters._typing import FloatArray, IndexArray, IntArray, RepairOption
-from qgeo_filters.errors import DisconnectedError, MeshError, NonManifoldError
+from qgeo_filters.errors import DisconnectedError, MeshError, NonManifoldError, ParameterError
 from qgeo_filters.html_repr import card, shown
 from qgeo_filters.io.formats import path_in_errors, read_raw, write_raw
 from qgeo_filters.io.raw_mesh import RawMesh
@@ -133,7 +133,7 @@ class Surface:
             the extras are installed. Told by the suffix, see `io.formats`.
         repair : bool or "force"
             Triangulate polygons and make the mesh manifold and one piece; `repair_surface` also says what was changed.
-            More than a hundredth of the area is removed only with "force".
+            More than a hundredth of the area is removed only with "force". (For "wrap" see `wrap_surface`.)
 
         Raises
         ------
@@ -141,7 +141,9 @@ class Surface:
         MeshError
             An unknown suffix, a malformed file, polygons, an invalid mesh; the message starts with the path.
         """
-        raw = read_raw(path, repair=bool(checked_repair(repair)))
+        if checked_repair(repair) == "wrap":
+            raise ParameterError("to wrap a file, call wrap_surface(path) or as_surface(path, repair='wrap')")
+        raw = read_raw(path, repair=bool(repair))
         with path_in_errors(path):
             return cls.from_raw(repaired_mesh(sound_mesh(raw), most_lost=most_lost(repair)).mesh if repair else raw)
 

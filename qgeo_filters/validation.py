@@ -106,9 +106,9 @@ def real_numbers(values: npt.ArrayLike, name: str) -> FloatArray:
 
 def checked_repair(repair: RepairOption) -> RepairOption:
     """The option as it is, or `ParameterError`."""
-    if isinstance(repair, (bool, np.bool_)) or (isinstance(repair, str) and repair in ("auto", "force")):
+    if isinstance(repair, (bool, np.bool_)) or (isinstance(repair, str) and repair in ("auto", "force", "wrap")):
         return repair
-    raise ParameterError(f"repair must be 'auto', True, False or 'force', got {repair!r}")
+    raise ParameterError(f"repair must be 'auto', True, False, 'force' or 'wrap', got {repair!r}")
 
 
 def checked_count(value: int, low: int, high: int | None, name: str, most: str | None = None) -> int:

@@ -53,6 +53,14 @@ print("\n".join(repair.report))
 plot_surface(repair.surface)
 
 # %%
+# What no repair mends, such as a body made of pieces that cross, is wrapped in a closed surface.
+rod = trimesh.creation.capsule(height=2.4, radius=0.25).apply_translation([0, 0, -1.2])
+crossed = np.concatenate([body.vertices, rod.vertices]), np.concatenate([body.faces, rod.faces + body.n_vertices])
+wrap = qg.wrap_surface(crossed)
+print("\n".join(wrap.report))
+plot_surface(wrap.surface)
+
+# %%
 # Filters repair a copy and bring values back to the vertices that were given.
 filter = qg.QuasiGeodesicDistances(sources=0)
 out = filter(mess, repair=True)

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from qgeo_filters._typing import RepairOption
 from qgeo_filters.cli.collection_common import common, landmarks
 from qgeo_filters.cli.collection_report import export, report
 from qgeo_filters.cli.errors import OneLineErrors, OneLineWarnings, to_standard_output
-from qgeo_filters.cli.options import Force, Json, Quiet, Repair, repair_option
+from qgeo_filters.cli.options import Force, Json, Quiet, Repair, Wrap, repair_option
 from qgeo_filters.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -88,6 +89,7 @@ def build(
     scheduler: Scheduler = None,
     repair: Repair = None,
     force: Force = False,
+    wrap: Wrap = False,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -96,7 +98,7 @@ def build(
     What is in the store already is not computed again; a file that changed is. Files that cannot be read are named, and
     the rest goes on; the exit code is then 1.
     """
-    collection = _built(shapes, output, group_by, normalize, partial, mirror, repair, force)
+    collection = _built(shapes, output, group_by, normalize, partial, mirror, repair_option(repair, force, wrap))
     options = _engine(workers, backend, scheduler, quiet)
     collection.prepare(part=checked_text(part), **options)
     _end(collection, json, quiet)
@@ -144,11 +146,12 @@ def run(
     scheduler: Scheduler = None,
     repair: Repair = None,
     force: Force = False,
+    wrap: Wrap = False,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
     """Build a store and match its pairs: each task of a job array may call this with its own --part."""
-    collection = _built(shapes, output, group_by, normalize, partial, mirror, repair, force)
+    collection = _built(shapes, output, group_by, normalize, partial, mirror, repair_option(repair, force, wrap))
     _matched(collection, within_groups, part, _engine(workers, backend, scheduler, quiet))
     _end(collection, json, quiet)
 
@@ -166,8 +169,7 @@ def _built(
     normalize: bool,
     partial: bool | None,
     mirror: Literal["auto", "no", "yes"],
-    repair: bool | None,
-    force: bool,
+    repair: RepairOption,
 ) -> Collection:
     from qgeo_filters.collection.collection import Collection
 
@@ -179,7 +181,7 @@ def _built(
         normalize=normalize,
         partial="auto" if partial is None else partial,
         mirror=mirror,
-        repair=repair_option(repair, force),
+        repair=repair,
     )
 
 

@@ -20,6 +20,7 @@ from qgeo_filters.cli.options import (
     Settings,
     Weight,
     Workers,
+    Wrap,
     repair_option,
 )
 from qgeo_filters.cli.spectral import Count
@@ -41,6 +42,7 @@ def compatibility(
     output: Output = None,
     repair: Repair = None,
     force: Force = False,
+    wrap: Wrap = False,
     pictures: Pictures = True,
     also: Also = None,
     json: Json = False,
@@ -66,7 +68,7 @@ def compatibility(
     from qgeo_filters.report.shown import Shown, pose_colors
     from qgeo_filters.report.view import best_view
 
-    mend = repair_option(repair, force)
+    mend = repair_option(repair, force, wrap)
     parameters = {"baselines": list(baselines), "k": k, "curvature_weight": curvature_weight, "repair": mend}
     settings = Settings(output, quiet, json, mend, pictures, also)
     called = [f"surfaces[{index}]" for index in range(len(meshes))]

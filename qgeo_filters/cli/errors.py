@@ -21,6 +21,7 @@ INTERRUPTED = 130
 _OPTIONS = {
     "repair=True": "--repair",
     "repair='force'": "--force-repair",
+    "repair='wrap'": "--wrap",
     "normalize=True": "--normalize",
     "scans=True": "--scans",
     "baselines must": "--baselines must",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.cli.kept import Cache
 from qgeo_filters.cli.options import (
     Accuracy,
@@ -26,6 +27,7 @@ from qgeo_filters.cli.options import (
     Smoothing,
     Weight,
     Workers,
+    Wrap,
     repair_option,
 )
 from qgeo_filters.defaults import CURVATURE_WEIGHT
@@ -65,6 +67,7 @@ def distances(
     output: Output = None,
     repair: Repair = None,
     force: Force = False,
+    wrap: Wrap = False,
     pictures: Pictures = True,
     also: Also = None,
     json: Json = False,
@@ -87,7 +90,7 @@ def distances(
     from qgeo_filters.report.shown import Shown
 
     chosen = _indices(sources)
-    mend = repair_option(repair, force)
+    mend = repair_option(repair, force, wrap)
     parameters = {
         "sources": chosen or "all",
         "matrix": matrix,
@@ -217,6 +220,7 @@ def path(
     output: Output = None,
     repair: Repair = None,
     force: Force = False,
+    wrap: Wrap = False,
     pictures: Pictures = True,
     also: Also = None,
     json: Json = False,
@@ -236,7 +240,7 @@ def path(
     from qgeo_filters.report.shown import Shown
     from qgeo_filters.validation import checked_index
 
-    mend = repair_option(repair, force)
+    mend = repair_option(repair, force, wrap)
     parameters = {
         "i": i,
         "j": j,
@@ -267,8 +271,8 @@ def path(
     faces: np.ndarray = found.faces
     weights, mended = found.barycentric, job.repairs[0]
     if mended is not None:
-        weights = np.where(mended.turned[faces][:, None], weights[:, ::-1], weights)
-        faces = mended.face_origin[faces]
+        there = mended.places_on_given(BarycentricMap(faces, surface.faces[faces].astype(np.int64), weights))
+        faces, weights = there.faces, there.coordinates
     beside = np.zeros(surface.n_vertices, dtype=np.int32)
     beside[surface.faces[found.faces]] = 1
     arrays = {

@@ -20,6 +20,7 @@ from qgeo_filters.cli.options import (
     Repair,
     Settings,
     Workers,
+    Wrap,
     repair_option,
 )
 from qgeo_filters.errors import MeshError, ParameterError, reason
@@ -81,6 +82,7 @@ def match(
     output: Output = None,
     repair: Repair = None,
     force: Force = False,
+    wrap: Wrap = False,
     pictures: Pictures = True,
     also: Also = None,
     json: Json = False,
@@ -108,7 +110,7 @@ def match(
     from qgeo_filters.matching.partial.partial_match import matched_as_part
     from qgeo_filters.matching.prepared_shape import check_same_size
 
-    mend = repair_option(repair, force)
+    mend = repair_option(repair, force, wrap)
     as_part: PartialOption = "auto" if partial is None else partial
     parameters: dict[str, Any] = {
         "normalize": normalize,

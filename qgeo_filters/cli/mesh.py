@@ -8,7 +8,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from qgeo_filters.cli.options import Also, Force, Json, MeshFiles, Output, Pictures, Quiet, Settings, repair_option
+from qgeo_filters.cli.options import (
+    Also,
+    Force,
+    Json,
+    MeshFiles,
+    Output,
+    Pictures,
+    Quiet,
+    Settings,
+    Wrap,
+    repair_option,
+)
 
 if TYPE_CHECKING:
     from qgeo_filters.surface import Surface
@@ -35,6 +46,7 @@ def info(
         bool, typer.Option("--repair", help="Make the mesh manifold and one piece first; the report says what changed.")
     ] = False,
     force: Force = False,
+    wrap: Wrap = False,
     pictures: Pictures = True,
     also: Also = None,
     json: Json = False,
@@ -45,7 +57,7 @@ def info(
     from qgeo_filters.cli.job import Job
     from qgeo_filters.report.figures import plot_surface
 
-    mend = repair_option(repair, force)
+    mend = repair_option(repair, force, wrap)
 
     def one(mesh: Path, settings: Settings) -> None:
         job = Job("info", settings, {"repair": mend}, [mesh], pictures=["surface"])

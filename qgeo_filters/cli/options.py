@@ -52,6 +52,14 @@ Repair = Annotated[
 Force = Annotated[
     bool, typer.Option("--force-repair", help="Repair even where more than a hundredth of the area is removed by it.")
 ]
+Wrap = Annotated[
+    bool,
+    typer.Option(
+        "--wrap",
+        help="Work on a closed surface around each mesh: for raw CT and models in many pieces, which are refused "
+        "otherwise. Results are on the vertices of the file, -1 or NaN deep inside.",
+    ),
+]
 Pictures = Annotated[bool, typer.Option("--pictures/--no-pictures", help="Write PNG pictures.")]
 #: Suffixes of the files as which a mesh is written beside PLY, for --also.
 ALSO = ("vtp", "vtu", "glb", "csv", "obj")
@@ -129,8 +137,12 @@ Workers = Annotated[
 ]
 
 
-def repair_option(repair: bool | None, force: bool) -> RepairOption:
-    """What ``--repair`` and ``--force-repair`` ask for together, or leave to the command."""
+def repair_option(repair: bool | None, force: bool, wrap: bool = False) -> RepairOption:
+    """What ``--repair``, ``--force-repair`` and ``--wrap`` ask for together, or leave to the command."""
+    if wrap:
+        if force or repair is not None:
+            raise typer.BadParameter("--wrap is instead of --repair, --no-repair and --force-repair")
+        return "wrap"
     return "force" if force else "auto" if repair is None else repair
 
 

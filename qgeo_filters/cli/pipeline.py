@@ -19,6 +19,7 @@ from qgeo_filters.cli.options import (
     Repair,
     Settings,
     Workers,
+    Wrap,
     repair_option,
 )
 
@@ -45,6 +46,7 @@ def run(
     output: Output = None,
     repair: Repair = None,
     force: Force = False,
+    wrap: Wrap = False,
     pictures: Pictures = True,
     also: Also = None,
     json: Json = False,
@@ -62,7 +64,7 @@ def run(
     from qgeo_filters.filters.base import Pipeline
 
     steps = Pipeline.load(pipeline)
-    mend = repair_option(repair, force)
+    mend = repair_option(repair, force, wrap)
     settings = Settings(output, quiet, json, mend, pictures, also)
     numbered = enumerate(steps.steps, start=1)
     parameters = {

@@ -25,6 +25,7 @@ from qgeo_filters.cli.options import (
     Smoothing,
     Weight,
     Workers,
+    Wrap,
     repair_option,
 )
 from qgeo_filters.defaults import CURVATURE_WEIGHT, EIGENPAIRS
@@ -65,6 +66,7 @@ def spectrum(
     output: Output = None,
     repair: Repair = None,
     force: Force = False,
+    wrap: Wrap = False,
     pictures: Pictures = True,
     also: Also = None,
     json: Json = False,
@@ -90,7 +92,7 @@ def spectrum(
         method=method,
         accuracy=accuracy,
     )
-    mend = repair_option(repair, force)
+    mend = repair_option(repair, force, wrap)
 
     def one(mesh: Path, settings: Settings) -> None:
         job = Job(

@@ -25,6 +25,7 @@ from qgeo_filters.cli.options import (
     Smoothing,
     Weight,
     Workers,
+    Wrap,
     repair_option,
 )
 from qgeo_filters.defaults import CURVATURE_WEIGHT, SYMMETRY_K0
@@ -71,6 +72,7 @@ def symmetry(
     output: Output = None,
     repair: Repair = None,
     force: Force = False,
+    wrap: Wrap = False,
     pictures: Pictures = True,
     also: Also = None,
     json: Json = False,
@@ -91,7 +93,7 @@ def symmetry(
     from qgeo_filters.matching.prepared_shape import check_matchable
     from qgeo_filters.spectral.distance_spectrum import is_represented
 
-    mend = repair_option(repair, force)
+    mend = repair_option(repair, force, wrap)
     parameters = {
         "map": explicit,
         "k0": k0,

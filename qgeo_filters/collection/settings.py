@@ -34,7 +34,7 @@ class Settings:
     normalize : bool
     partial : bool or "auto"
     mirror : {"auto", "no", "yes"}
-    repair : bool, "auto" or "force"
+    repair : bool, "auto", "force" or "wrap"
     code : str
         Digest of the package that asks: no result of another one is taken for its own.
     """

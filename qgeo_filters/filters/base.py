@@ -25,10 +25,9 @@ from qgeo_filters.filters.repaired import (
     repaired_values,
     repaired_vertices,
 )
-from qgeo_filters.hosts.dispatch import as_surface, is_host_mesh, with_positions, write_back
-from qgeo_filters.hosts.repair import Repair, repaired_within
+from qgeo_filters.hosts.dispatch import as_surface, is_host_mesh, repaired_by, with_positions, write_back
+from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.parallel import default_workers
-from qgeo_filters.repair.triangle_soup import most_lost
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_repair
 
@@ -104,14 +103,14 @@ class Filter(Estimator):
         mesh : mesh object, (V, F) or path
             Whatever `as_surface` takes: a mesh of Open3D, PyMeshLab, PyVista, vedo, trimesh or meshio, a `Surface`. A
             legacy Open3D mesh comes back as the tensor kind, a ``(V, F)`` pair and a path as a `Surface`.
-        repair : bool, "auto" or "force"
+        repair : bool, "auto", "force" or "wrap"
             With "auto", work on a repaired copy where the mesh is not welded or the filter refuses it as it is; pieces
             are removed only where the filter needs one piece, and up to a tenth of the area. With True, in any case
             and in one piece; where more than a hundredth of the area would have to go, only with "force". Attributes
             are carried back to the vertices of the input (NaN, or -1 for indices, where a vertex had to go);
-            ``repair_`` says what was changed. Where not even a `Surface` can hold the input (a pair or file with
-            indices out of range, say), a `Surface` of the same vertices is returned without the faces that it cannot
-            hold.
+            ``repair_`` says what was changed. With "wrap", on a closed surface around it, see `wrap_surface`. Where not
+            even a `Surface` can hold the input (a pair or file with indices out of range, say), a `Surface` of the same
+            vertices is returned without the faces that it cannot hold.
         progress : bool
             Show progress bars.
         workers : int, optional
@@ -132,7 +131,7 @@ class Filter(Estimator):
                 if self.repair_ is None:
                     return _changed(mesh, as_surface(mesh), back)
             else:
-                back = self._on(repaired_within(mesh, most_lost(repair)), progress)
+                back = self._on(repaired_by(mesh, repair), progress)
         return self._written(mesh, back)
 
     def _mended(self, mesh: Any, progress: bool) -> Changes:

@@ -19,6 +19,7 @@ from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.arrays import is_pair, is_pair_of_arrays, is_path, raw_mesh
 from qgeo_filters.hosts.protocol import host_of
 from qgeo_filters.hosts.repair import Repair, needs_repair, repaired_within
+from qgeo_filters.hosts.wrap import wrap_surface
 from qgeo_filters.io.formats import path_in_errors
 from qgeo_filters.io.raw_mesh import RawMesh
 from qgeo_filters.repair.sound import sound_mesh
@@ -32,6 +33,7 @@ __all__ = [
     "is_host_mesh",
     "is_mesh",
     "raw_mesh",
+    "repaired_by",
     "surface_and_repair",
     "with_positions",
     "write_back",
@@ -56,7 +58,7 @@ def as_surface(obj: SurfaceLike, *, repair: RepairOption = False) -> Surface:
         normals and colours under their names), custom scalar and point attributes of PyMeshLab,
         ``point_data`` of PyVista and meshio, ``pointdata`` of vedo, ``vertex_attributes`` of trimesh and its
         colours.
-    repair : bool, "auto" or "force"
+    repair : bool, "auto", "force" or "wrap"
         Make the mesh manifold and one piece; polygons are triangulated. More than a hundredth of the area is removed
         only with "force". With "auto" only where something is wrong, see `surface_and_repair`. To learn what was
         changed and to carry values back, call `repair_surface` instead.
@@ -93,10 +95,11 @@ def surface_and_repair(
     Parameters
     ----------
     obj : see `as_surface`
-    repair : bool, "auto" or "force"
+    repair : bool, "auto", "force" or "wrap"
         With "auto" a mesh is repaired that no `Surface` can hold, that is not manifold, not in one piece, not welded,
         that has edges of length zero, or neighbouring faces that disagree on which side is out. Pieces
-        of up to a tenth of the area together are taken for crumbs and removed; what has more is refused.
+        of up to a tenth of the area together are taken for crumbs and removed; what has more is refused. With "wrap"
+        it is wrapped in a closed surface, see `wrap_surface`.
     pieces : {"largest", "all"}
         Whether one piece is needed, or any number of them will do.
 
@@ -116,8 +119,13 @@ def surface_and_repair(
             if not needs_repair(surface, pieces):
                 return surface, None
             obj = surface
-    found = repaired_within(obj, most_lost(repair), pieces)
+    found = repaired_by(obj, repair, pieces)
     return found.given, found if found.changed else None
+
+
+def repaired_by(obj: SurfaceLike, repair: RepairOption, pieces: Pieces = "largest") -> Repair:
+    """Repair of a mesh object in the way that the option asks for."""
+    return wrap_surface(obj) if repair == "wrap" else repaired_within(obj, most_lost(repair), pieces)
 
 
 def as_given(obj: SurfaceLike, repair: RepairOption) -> tuple[Surface, tuple[str, ...]]:

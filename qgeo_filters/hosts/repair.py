@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters._typing import IndexArray
+from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.array_likes import as_array
+from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.errors import MeshError
 from qgeo_filters.hosts.arrays import is_path, raw_mesh
 from qgeo_filters.hosts.holes import checked_holes, filled
@@ -67,13 +68,15 @@ class Repair:
 
     def __repr__(self) -> str:
         done = "; ".join(self.report) or "nothing had to be changed"
-        return f"Repair({self.given.n_vertices} vertices to {self.surface.n_vertices}: {done})"
+        return f"{type(self).__name__}({self.given.n_vertices} vertices to {self.surface.n_vertices}: {done})"
 
     def _repr_html_(self) -> str:
         facts = {"given": repr(self.given), "repaired": repr(self.surface)}
         table = [(str(number), line) for number, line in enumerate(self.report, start=1)]
         done = "" if self.report else "nothing had to be changed"
-        return card("Repair", facts, subtitle=done, table=table, columns=("", "what was changed") if table else ())
+        return card(
+            type(self).__name__, facts, subtitle=done, table=table, columns=("", "what was changed") if table else ()
+        )
 
     @property
     def changed(self) -> bool:
@@ -95,6 +98,24 @@ class Repair:
         back = array[np.maximum(self.vertex_of_original, 0)]
         back[self.vertex_of_original < 0] = missing
         return back
+
+    def places_on_given(self, places: BarycentricMap) -> BarycentricMap:
+        """Points of triangles of ``given``, for points of triangles of ``surface``."""
+        chosen = np.maximum(places.faces, 0)
+        faces = np.where(places.faces >= 0, self.face_origin[chosen], -1)
+        there = (faces >= 0)[:, None]
+        corners = np.where(there, self.given.faces[np.maximum(faces, 0)].astype(np.int64), -1)
+        turned = np.where(self.turned[chosen][:, None], places.coordinates[:, ::-1], places.coordinates)
+        return BarycentricMap(frozen(faces), frozen(corners), frozen(np.where(there, turned, np.nan)))
+
+    def areas_on_given(self, areas: FloatArray) -> FloatArray:
+        """Area of each original vertex, from those of the repaired: joined ones share it, 0 where one is gone."""
+        place = self.vertex_of_original
+        there = place >= 0
+        sharing = np.bincount(place[there], minlength=len(self.origin))
+        found = np.zeros(len(place))
+        found[there] = (areas / np.maximum(sharing, 1))[place[there]]
+        return found
 
 
 def repair_surface(

@@ -95,10 +95,12 @@ def match(
         Whether to compare shapes regardless of size. If not, and their areas differ by more than a tenth, they are
         refused, or one is matched as a part. A part may be up to about a quarter smaller or larger than it should be;
         where sizes are right, say so with False: that is quicker, and surer.
-    repair : bool, "auto" or "force"
+    repair : bool, "auto", "force" or "wrap"
         Whether shapes are made manifold, oriented and one piece first: by default, "auto", those that are not (see
         `surface_and_repair`); the result says in ``repairs`` what was changed. It is on the vertices that were given,
-        -1 and NaN where one had to go, see `match_on_given`. With False such shapes are refused.
+        -1 and NaN where one had to go, see `match_on_given`. With False such shapes are refused. With "wrap" closed
+        surfaces around them are matched, for raw CT and models in many pieces that are refused otherwise, see
+        `wrap_surface`.
     partial : bool, "auto"
         Whether one shape is matched as a part of the other: a scan from one side, a body without a limb or half of it.
         Then ``p2p`` and ``inverse`` are -1 where there is no partner, and ``overlap_x`` and ``overlap_y`` say how much

@@ -6,12 +6,16 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from qgeo_filters._typing import IndexArray
 from qgeo_filters.hosts.repair import Repair
-from qgeo_filters.matching.maps.barycentric import BarycentricMap
+from qgeo_filters.hosts.wrap import Wrap
+from qgeo_filters.matching.maps.barycentric import BarycentricMap, barycentric_map
+from qgeo_filters.matching.maps.resolutions import placed
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.prepared_shape import PreparedShape
+from qgeo_filters.parallel import worker_count
 from qgeo_filters.validation import frozen
 
 if TYPE_CHECKING:
@@ -36,17 +40,25 @@ def match_on_given(found: MatchResult, x: PreparedShape, y: PreparedShape) -> Ma
     """
     if x.repair is None and y.repair is None:
         return found
+    positions = _values(found.positions, x.repair)
+    if isinstance(x.repair, Wrap) or isinstance(y.repair, Wrap):
+        p2p, inverse = _carried(found, x, y)
+        places = barycentric_map(positions, p2p, y.given)
+    else:
+        p2p = indices_on_given(found.p2p, x.repair, y.repair)
+        inverse = indices_on_given(found.inverse, y.repair, x.repair)
+        places = _places(found.barycentric, x.repair, y.repair)
     return replace(
         found,
         x=x.given,
         y=y.given,
-        p2p=indices_on_given(found.p2p, x.repair, y.repair),
-        inverse=indices_on_given(found.inverse, y.repair, x.repair),
+        p2p=frozen(p2p),
+        inverse=frozen(inverse),
         distortion=_values(found.distortion, x.repair),
         regions_x=_values(found.regions_x, x.repair),
         regions_y=_values(found.regions_y, y.repair),
-        positions=_values(found.positions, x.repair),
-        barycentric=_places(found.barycentric, x.repair, y.repair),
+        positions=positions,
+        barycentric=places,
         repairs=(*_sentences("X", x.repair), *_sentences("Y", y.repair)),
     )
 
@@ -59,23 +71,51 @@ def symmetry_on_given(found: Symmetry, x: PreparedShape) -> Symmetry:
     Symmetry
         A vertex that is gone has the mirror vertex -1, the side 0, the region -1 and NaN for its asymmetry, and is not
         on the axis. Vertices that were joined have one mirror vertex, the first of those there: ``p2p`` is an
-        involution up to vertices that lie on each other.
+        involution up to vertices that lie on each other; of a shape that was wrapped it is ``nearest``, and none.
     """
     if x.repair is None:
         return found
+    if isinstance(x.repair, Wrap):
+        there = np.column_stack([x.full.vertices, x.full.vertex_normals])
+        mirrored = x.repair.map_back(found.barycentric.pulled_back(there))
+        of_given = np.column_stack([x.given.vertices, x.repair.map_back(there)[:, 3:]])
+        p2p = nearest = _nearest(mirrored, of_given, x)
+        places = barycentric_map(mirrored[:, :3], nearest, x.given)
+    else:
+        p2p, nearest = (indices_on_given(images, x.repair, x.repair) for images in (found.p2p, found.nearest))
+        places = _places(found.barycentric, x.repair, x.repair)
     side = _values(found.side, x.repair).copy()
     side[x.repair.vertex_of_original < 0] = 0
     return replace(
         found,
-        p2p=indices_on_given(found.p2p, x.repair, x.repair),
-        nearest=indices_on_given(found.nearest, x.repair, x.repair),
+        p2p=frozen(p2p),
+        nearest=frozen(nearest),
         side=frozen(side),
         fixed=_values(found.fixed, x.repair),
         asymmetry=_values(found.asymmetry, x.repair),
         regions=_values(found.regions, x.repair),
-        barycentric=_places(found.barycentric, x.repair, x.repair),
+        barycentric=places,
         repairs=tuple(x.repair.report),
     )
+
+
+def _carried(found: MatchResult, x: PreparedShape, y: PreparedShape) -> tuple[IndexArray, IndexArray]:
+    """Nearest given vertex of the other shape for each, where the deformed wrap takes it: a wrap has few vertices."""
+    deformed = found.x.with_vertices(found.positions)
+    normals = deformed.vertex_normals * (1.0 if found.orientation >= 0 else -1.0)
+    here = _values(np.column_stack([found.positions, normals]), x.repair)
+    there = _values(np.column_stack([found.y.vertices, found.y.vertex_normals]), y.repair)
+    there = np.column_stack([y.given.vertices, there[:, 3:]])
+    return _nearest(here, there, y), _nearest(there, here, y)
+
+
+def _nearest(places: np.ndarray, others: np.ndarray, on: PreparedShape) -> IndexArray:
+    """Of the others, with normals (m, 6), the one nearest to each place (n, 6) on a shape; -1 where a place is NaN."""
+    known, candidates = (np.flatnonzero(np.isfinite(one).all(axis=1)) for one in (places, others))
+    here, there = (placed(one[:, :3], one[:, 3:], on.full) for one in (places[known], others[candidates]))
+    found = np.full(len(places), -1, dtype=np.int64)
+    found[known] = candidates[cKDTree(there).query(here, workers=worker_count())[1]]
+    return found
 
 
 def _values(values: np.ndarray, repair: Repair | None) -> np.ndarray:
@@ -92,18 +132,12 @@ def indices_on_given(images: IndexArray, of: Repair | None, on: Repair | None) -
 
 def _places(places: BarycentricMap, of: Repair | None, on: Repair | None) -> BarycentricMap:
     """Points of given triangles, for each given vertex."""
-    faces, corners, coordinates = places.faces, places.corners, places.coordinates
     if on is not None:
-        there = faces >= 0
-        chosen = np.maximum(faces, 0)
-        given = on.face_origin[chosen]
-        faces = np.where(there, given, -1)
-        corners = np.where(there[:, None], on.given.faces[given].astype(np.int64), -1)
-        coordinates = np.where(on.turned[chosen][:, None], coordinates[:, ::-1], coordinates)
+        places = on.places_on_given(places)
     return BarycentricMap(
-        _values(frozen(faces), of),
-        _values(frozen(corners), of),
-        _values(frozen(coordinates), of),
+        _values(frozen(places.faces), of),
+        _values(frozen(places.corners), of),
+        _values(frozen(places.coordinates), of),
     )
 
 

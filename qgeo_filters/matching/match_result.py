@@ -258,8 +258,8 @@ class MatchResult:
         target = checked_indices(truth, self.y.n_vertices, "truth", missing=True)
         if len(target) != len(self.p2p):
             raise ParameterError(f"truth must hold a vertex for each of the {len(self.p2p)} of X, got {len(target)}")
-        repaired = any(line.startswith("Y: ") for line in self.repairs)
-        return map_errors(self.y, self.p2p, target, repaired, workers)
+        repairs = [line for line in self.repairs if line.startswith("Y: ")]
+        return map_errors(self.y, self.p2p, target, repairs, workers)
 
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write a table with a row for each vertex of X.

@@ -228,6 +228,8 @@ class _Side:
 
     @classmethod
     def of(cls, shape: SurfaceLike, repair: RepairOption, least_area: float, parameters: MatchingParameters) -> _Side:
+        if repair == "wrap":
+            raise ParameterError("a wrap is one piece: match(repair='wrap') matches it")
         given, repaired = surface_and_repair(shape, repair, "all")
         whole = given if repaired is None else repaired.surface
         origin = np.arange(given.n_vertices) if repaired is None else repaired.origin

@@ -292,7 +292,7 @@ def check_matchable(surface: Surface, parameters: MatchingParameters | None = No
         raise MeshError(
             "matching tells a shape from its mirror image by the side of the surface that is out, but it is one-sided "
             f"(as a Moebius band, or a scan with wrong bridges; Euler characteristic {surface.euler_characteristic}), "
-            "which no turning of faces mends: wrap or remesh it first"
+            "which no turning of faces mends: repair='wrap' takes a closed surface around it"
         )
     if not surface.is_oriented:
         raise MeshError(

@@ -12,6 +12,7 @@ from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.decimation import Proxy
 from qgeo_filters.errors import MeshError, reason
 from qgeo_filters.hosts.repair import Repair
+from qgeo_filters.hosts.wrap import Wrap
 from qgeo_filters.matching.intrinsic_shape import IntrinsicShape, MetricEmbedding
 from qgeo_filters.matching.level import Level
 from qgeo_filters.matching.mirror_curve import MirrorPlane
@@ -73,6 +74,8 @@ def arrays_of_shape(shape: PreparedShape) -> tuple[Arrays, dict[str, Any]]:
         mended = shape.repair
         arrays |= {"repaired_vertices": mended.surface.vertices, "repaired_faces": mended.surface.faces}
         arrays |= {f"repair_{name}": getattr(mended, name) for name in _OF_REPAIR}
+        if isinstance(mended, Wrap):
+            arrays |= {"wrap_faces": mended.places.faces, "wrap_coordinates": mended.places.coordinates}
         values["repair"] = list(mended.report)
     return arrays, values
 
@@ -202,7 +205,11 @@ def _repair(given: Surface, arrays: Arrays, values: Mapping[str, Any]) -> Repair
         return None
     surface = Surface(arrays["repaired_vertices"], arrays["repaired_faces"])
     origin, vertex_of_original, face_origin, turned = (arrays[f"repair_{name}"] for name in _OF_REPAIR)
-    return Repair(given, surface, origin, vertex_of_original, face_origin, turned, tuple(values["repair"]))
+    made = given, surface, origin, vertex_of_original, face_origin, turned, tuple(values["repair"])
+    if "wrap_faces" not in arrays:
+        return Repair(*made)
+    faces = arrays["wrap_faces"]
+    return Wrap(*made, BarycentricMap(faces, corners_of(faces, surface), arrays["wrap_coordinates"]))
 
 
 def _symmetry(full: Surface, arrays: Arrays, values: Mapping[str, Any]) -> Symmetry:

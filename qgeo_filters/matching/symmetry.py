@@ -45,7 +45,7 @@ def self_symmetry(
         A prepared shape remembers its symmetry.
     tolerance : float
         Mean distortion of distances, in units of sqrt(area), up to which a map counts as a symmetry.
-    repair : bool, "auto" or "force"
+    repair : bool, "auto", "force" or "wrap"
         Whether the shape is made manifold, oriented and one piece first, as in `match`.
     parameters : MatchingParameters, optional
         What the search goes by; that of the prepared shape, or the measured default.

@@ -212,8 +212,8 @@ def _check_loss(of_area: float, of_faces: float, sizes: IndexArray, most: float,
     several = len(sizes) > 1
     pieces = f"; one piece is needed, and there are {len(sizes)} pieces, of {listed(sizes)} faces" if several else ""
     raise (DisconnectedError if several else MeshError)(
-        f"repair would remove {lost} ({'; '.join(report)}){pieces}; pass the piece that is meant, or repair='force' "
-        "to take what is left"
+        f"repair would remove {lost} ({'; '.join(report)}){pieces}; pass the piece that is meant, repair='force' to "
+        "take what is left, or repair='wrap' for a closed surface around all of it"
     )
 
 

@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-
 from qgeo_filters._typing import RepairOption
 from qgeo_filters.errors import MeshError
-from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
-from qgeo_filters.hosts.repair import Repair, repaired_within
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface, repaired_by
+from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.parallel import single_threaded_blas
-from qgeo_filters.repair.triangle_soup import most_lost
 from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_repair, frozen
@@ -41,7 +38,7 @@ def spectrum_of_mesh(
                 return compute(given, None)
         except MeshError as error:
             refusal = error
-    found = repaired_within(surface, most_lost(repair))
+    found = repaired_by(surface, repair)
     if refusal is not None and not found.changed:
         raise refusal
     return spectrum_on_given(compute(found.surface, found), found)
@@ -56,9 +53,5 @@ def spectrum_on_given(spectrum: Spectrum, repair: Repair) -> Spectrum:
         Eigenfunctions are NaN and the area 0 where a vertex is gone. Vertices that were joined share the area of the
         one that stands for them, so that eigenfunctions stay orthonormal over those that are left.
     """
-    place = repair.vertex_of_original
-    there = place >= 0
-    sharing = np.bincount(place[there], minlength=len(repair.origin))
-    areas = np.zeros(len(place))
-    areas[there] = (spectrum.areas / np.maximum(sharing, 1))[place[there]]
+    areas = repair.areas_on_given(spectrum.areas)
     return replace(spectrum, eigenfunctions=frozen(repair.map_back(spectrum.eigenfunctions)), areas=frozen(areas))

@@ -73,7 +73,7 @@ def test_repair_is_reported(qgeo: Qgeo, loaded: Loaded) -> None:
     refused = qgeo("info", "fan.off", "--repair")
     assert refused.exit_code == 2
     assert "% of the area" in refused.stderr
-    assert "or --force-repair" in refused.stderr
+    assert "--force-repair to take what is left, or --wrap for" in refused.stderr
     assert qgeo("info", "fan.off", "--force-repair").exit_code == 0
     content, _ = loaded(Path("qgeo-out/info-fan"))
     assert content["results"]["manifold"] is True

@@ -143,7 +143,7 @@ def test_without_repair_a_mess_is_refused_as_before() -> None:
         qg.match((X, np.concatenate([F, F[:1, [0, 1, 2]]])), (Y, F), repair=False)
     with pytest.raises(qg.MeshError, match="disagree"):
         qg.self_symmetry((X, np.concatenate([F[:1, ::-1], F[1:]])), repair=False)
-    with pytest.raises(qg.ParameterError, match="repair must be 'auto', True, False or 'force', got 'yes'"):
+    with pytest.raises(qg.ParameterError, match="repair must be 'auto', True, False, 'force' or 'wrap', got 'yes'"):
         qg.self_symmetry((X, F), repair="yes")
 
 

@@ -171,5 +171,8 @@ def test_two_large_pieces_are_refused_and_the_larger_is_taken_by_force() -> None
 def test_a_one_sided_surface_is_refused_in_words() -> None:
     vertices, faces = moebius()
     doubled = vertices, np.concatenate([faces, faces[:3]])
-    with pytest.raises(qg.MeshError, match=r"it is one-sided .*Euler characteristic 0\), .* wrap or remesh it first"):
+    with pytest.raises(
+        qg.MeshError,
+        match=r"it is one-sided .*Euler characteristic 0\), .* repair='wrap' takes a closed surface around it",
+    ):
         qg.PreparedShape(doubled)

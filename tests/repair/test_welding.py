@@ -278,7 +278,7 @@ def test_a_shred_is_never_kept_in_silence():
         repair_surface((apart, faces))
     assert repair_surface((apart, faces), force=True).surface.n_faces == 1
     assert qg.as_surface((apart, faces), repair="force").n_faces == 1
-    with pytest.raises(qg.ParameterError, match="repair must be 'auto', True, False or 'force', got 'yes'"):
+    with pytest.raises(qg.ParameterError, match="repair must be 'auto', True, False, 'force' or 'wrap', got 'yes'"):
         qg.as_surface((apart, faces), repair="yes")
 
 
