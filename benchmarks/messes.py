@@ -1,6 +1,7 @@
 """`qg.match` on meshes with something wrong, as a Markdown table: what a user gets who repairs nothing.
 
-    python benchmarks/messes.py ROOT [--pair horse0-horse5] [--scape FOLDER] [--skulls FOLDER ...] [--wrapped FOLDER ...] [--json FILE]
+    python benchmarks/messes.py ROOT [--pair horse0-horse5] [--scape FOLDER] [--skulls FOLDER ...]
+        [--wrapped FOLDER ...] [--json FILE]
 
 ROOT as for ``matching.py``. X is spoilt (see `mesh_messes`) and matched with Y as it is. Errors are those at the
 vertices of X that the tidy mesh has too, in units of sqrt(area) of Y; "without partner" is the share of these that
