@@ -52,8 +52,8 @@ def as_surface(obj: SurfaceLike, *, repair: RepairOption = False) -> Surface:
         Surface, open3d.t.geometry.TriangleMesh or the legacy open3d.geometry.TriangleMesh,
         pymeshlab.MeshSet (its current mesh, in the mesh's own coordinates) or Mesh, pyvista.PolyData,
         trimesh.Trimesh, vedo.Mesh, meshio.Mesh, a ``(V, F)`` pair of arrays or tensors (of PyTorch too, on any device),
-        a path, or any object with ``vertices`` and ``faces``. What is computed from tensors are NumPy arrays, through
-        which no gradient goes: ``torch.tensor(found.p2p)``.
+        a path, a `Repair` (what it made), or any object with ``vertices`` and ``faces``. What is computed from tensors
+        are NumPy arrays, through which no gradient goes: ``torch.tensor(found.p2p)``.
         Never changed. Per-vertex attributes come along: ``mesh.vertex[...]`` of Open3D (positions apart;
         normals and colours under their names), custom scalar and point attributes of PyMeshLab,
         ``point_data`` of PyVista and meshio, ``pointdata`` of vedo, ``vertex_attributes`` of trimesh and its
@@ -77,6 +77,8 @@ def as_surface(obj: SurfaceLike, *, repair: RepairOption = False) -> Surface:
     >>> qg.as_surface(trimesh.creation.icosphere(1))
     Surface(42 vertices, 80 faces)
     """
+    if isinstance(obj, Repair):
+        return obj.surface
     if checked_repair(repair):
         given, repaired = surface_and_repair(obj, repair)
         return given if repaired is None else repaired.surface
@@ -95,6 +97,7 @@ def surface_and_repair(
     Parameters
     ----------
     obj : see `as_surface`
+        A `Repair` stands as it is.
     repair : bool, "auto", "force" or "wrap"
         With "auto" a mesh is repaired that no `Surface` can hold, that is not manifold, not in one piece, not welded,
         that has edges of length zero, or neighbouring faces that disagree on which side is out. Pieces
@@ -108,6 +111,8 @@ def surface_and_repair(
     MeshError
         What is no mesh, or cannot be repaired.
     """
+    if isinstance(obj, Repair):
+        return obj.given, obj
     if not checked_repair(repair):
         return as_surface(obj), None
     if repair == "auto":

@@ -26,7 +26,7 @@ from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.closest_points import closest_points
 from qgeo_filters.connectivity import vertex_components
 from qgeo_filters.equal_rows import occurring
-from qgeo_filters.errors import MeshError, ParameterError, require_package
+from qgeo_filters.errors import DisconnectedError, MeshError, ParameterError, require_package
 from qgeo_filters.hosts.arrays import is_path, raw_mesh
 from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.io.formats import path_in_errors
@@ -90,6 +90,8 @@ class Wrap(Repair):
 def wrap_surface(obj: Any, *, alpha: float = ALPHA) -> Wrap:
     """Closed manifold surface around whatever triangles there are: what ``repair="wrap"`` makes.
 
+    Pass it to `match` or `self_symmetry` in place of the mesh for another ``alpha``: results are on the given vertices.
+
     For scans and models that are refused otherwise: one-sided, with hundreds of handles, made of many pieces that touch
     or cross. Openings and gaps up to ``alpha`` are closed, hollows inside are left out, and details below ``alpha`` are
     smoothed in hollows. Not for open sheets, such as a face scanned from one side: a wrap has two sides.
@@ -120,7 +122,7 @@ def wrap_surface(obj: Any, *, alpha: float = ALPHA) -> Wrap:
     >>> wrap = qg.wrap_surface((box, sides), alpha=0.1)  # two sides are missing, larger than alpha
     Traceback (most recent call last):
         ...
-    qgeo_filters.errors.MeshError: the mesh is an open sheet: a wrap around it would have two sides; ...
+    qgeo_filters.errors.MeshError: the mesh is an open sheet, or open wider than 10 % of the diagonal: ...
     >>> qg.wrap_surface((box, [*sides, [0, 2, 6], [0, 4, 6], [1, 3, 7], [1, 5, 7]]), alpha=0.1).surface.genus
     0
     """
@@ -129,14 +131,21 @@ def wrap_surface(obj: Any, *, alpha: float = ALPHA) -> Wrap:
     sound = sound_mesh(raw_mesh(obj, repair=True))
     with path_in_errors(obj if is_path(obj) else None):
         vertices, faces = _alpha_wrap(sound, alpha)
-        repaired = repaired_mesh(sound_mesh(RawMesh(vertices, faces, {})), most_lost=most_lost("auto"))
+        try:
+            repaired = repaired_mesh(sound_mesh(RawMesh(vertices, faces, {})), most_lost=most_lost("auto"))
+        except DisconnectedError:
+            raise DisconnectedError(
+                f"the wrap falls into bodies that are more than {100 * alpha:.3g} % of the diagonal apart, none of "
+                "which has nine tenths of the area: pass the one that is meant, or "
+                "wrap_surface(mesh, alpha=...) with a larger alpha"
+            ) from None
         surface = Surface.from_raw(repaired.mesh)
         if 2 * relative_volume(surface.vertices, surface.faces) * np.sqrt(surface.area) < (
             _SHEET * _OFFSET * alpha * _diagonal(sound)
         ):
             raise MeshError(
-                "the mesh is an open sheet: a wrap around it would have two sides; match it as it is, as a part of a "
-                "whole if there is one (partial=True)"
+                f"the mesh is an open sheet, or open wider than {100 * alpha:.3g} % of the diagonal: a wrap would go "
+                "inside and have two sides; match it as it is, as a part of a whole if there is one (partial=True)"
             )
     given = obj if isinstance(obj, Surface) else Surface.from_raw(sound.raw)
     return _wrap(given, surface, sound, alpha, repaired.report)

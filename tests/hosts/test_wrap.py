@@ -70,6 +70,19 @@ def test_what_is_refused_is_matched_as_a_wrap() -> None:
     assert np.isfinite(errors[known]).all()
 
 
+def test_a_wrap_of_another_size_stands_for_its_mesh() -> None:
+    x, y, places = pair()
+    finer = qg.wrap_surface(x, alpha=0.02), qg.wrap_surface(y, alpha=0.02)
+    assert qg.as_surface(finer[0]) is finer[0].surface
+    found = qg.match(*finer, landmarks=[(0, int(np.linalg.norm(y[0] - places[0], axis=1).argmin()))])
+    assert found.confident, found.explanation
+    assert found.x.n_vertices == len(x[0])
+    assert "openings up to 2 % of the diagonal" in found.repairs[0]
+    known = found.p2p >= 0
+    off = np.linalg.norm(y[0][found.p2p[known]] - places[known], axis=1)
+    assert off.mean() < 0.02 * np.sqrt(qg.Surface(*creature(level=4)).area)
+
+
 def test_the_mirror_image_of_each_piece_is_found() -> None:
     x = in_pieces(creature(level=4))
     found = self_symmetry(x, repair="wrap")
@@ -121,7 +134,9 @@ def test_openings_are_closed_up_to_the_size_that_is_asked_for() -> None:
 
 
 def test_what_has_no_inside_is_refused() -> None:
-    with pytest.raises(qg.MeshError, match="open sheet: a wrap around it would have two sides"):
+    with pytest.raises(
+        qg.MeshError, match="open sheet, or open wider than 3 % of the diagonal: a wrap would go inside"
+    ):
         qg.wrap_surface(moebius())
     with pytest.raises(qg.MeshError, match="open sheet"):
         qg.match(moebius(), moebius(), repair="wrap")
@@ -130,7 +145,7 @@ def test_what_has_no_inside_is_refused() -> None:
 def test_bodies_apart_from_each_other_are_refused() -> None:
     vertices, faces = icosphere(3)
     two = np.concatenate([vertices, vertices + 5]), np.concatenate([faces, faces + len(vertices)])
-    with pytest.raises(qg.DisconnectedError, match="2 pieces"):
+    with pytest.raises(qg.DisconnectedError, match="falls into bodies that are more than 3 % of the diagonal apart"):
         qg.wrap_surface(two)
 
 
