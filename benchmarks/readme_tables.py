@@ -3,8 +3,9 @@
     python benchmarks/readme_tables.py
 
 Between `<!-- results NAME -->` and `<!-- end of results -->` stand the tables of results/NAME.json, or those whose
-whole title the pattern in `<!-- results NAME: PATTERN -->` matches. Several have their titles; the run stands below,
-and where there is no pattern the sentences of the script.
+whole title the pattern in `<!-- results NAME: PATTERN -->` matches; `<!-- results NAME: PATTERN; mean | worst pair -->`
+leaves all columns out but the first and those that are named. Several have their titles; the run stands below, and
+where there is no pattern the sentences of the script.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ from record import ROOT, Table
 RESULTS = Path(__file__).with_name("results")
 FILES = (ROOT / "README.md", ROOT / "benchmarks" / "README.md")
 _BLOCK = re.compile(
-    r"^<!-- results (?P<name>\w+)(?:: (?P<pattern>.+?))? -->$.*?^<!-- end of results -->$", re.MULTILINE | re.DOTALL
+    r"^<!-- results (?P<name>\w+)(?:: (?P<pattern>.+?)(?:; (?P<columns>.+?))?)? -->$.*?^<!-- end of results -->$",
+    re.MULTILINE | re.DOTALL,
 )
 
 
@@ -35,7 +37,7 @@ def with_tables(text: str, folder: str) -> str:
     Raises
     ------
     ValueError
-        A pattern that no title matches.
+        A pattern that no title matches, or a column that a table does not have.
     """
 
     def block(found: re.Match[str]) -> str:
@@ -46,7 +48,7 @@ def with_tables(text: str, folder: str) -> str:
         parts = [found[0].partition("\n")[0]]
         for one in tables:
             parts += [f"**{one['title']}**"] if len(tables) > 1 else []
-            parts.append(_table(one).markdown())
+            parts.append(_table(one, found["columns"]).markdown())
         parts += content["notes"] if not found["pattern"] else []
         link = f"[{found['name']}.json]({folder}results/{found['name']}.json)"
         return "\n\n".join([*parts, f"<sub>{link}: {run(content)}</sub>", "<!-- end of results -->"])
@@ -67,9 +69,16 @@ def run(content: dict[str, Any]) -> str:
     return f"`{content['command']}`{data}, {content['date']}, commit {content['commit']}, {content['machine']}{busy}"
 
 
-def _table(content: dict[str, Any]) -> Table:
-    table = Table(content["title"], content["columns"], content["align"])
-    table.rows = content["rows"]
+def _table(content: dict[str, Any], wanted: str | None) -> Table:
+    """The table as it was kept, or its first column and those that are wanted, in their order."""
+    columns = content["columns"]
+    places = list(range(len(columns)))
+    if wanted:
+        if missing := [name for name in wanted.split(" | ") if name not in columns]:
+            raise ValueError(f"table {content['title']!r} has no column {missing[0]!r}; it has {columns}")
+        places = [0, *map(columns.index, wanted.split(" | "))]
+    table = Table(content["title"], [columns[i] for i in places], "".join(content["align"][i] for i in places))
+    table.rows = [[row[i] for i in places] for row in content["rows"]]
     return table
 
 

@@ -116,3 +116,17 @@ def test_blocks_are_filled_by_title(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert "\n\nIt grows.\n\n" in both
     with pytest.raises(ValueError, match=r"some\.json has no table 'gone'"):
         readme_tables.with_tables(f"<!-- results some: gone -->\n{end}\n", "")
+
+
+def test_a_block_may_show_some_columns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first and those that are named, in the order in which they are, each aligned as it was; none that is not."""
+    with record.recorded(["--json", str(tmp_path / "some.json")]) as run:
+        run.table("one", "pair", "mean", "CPU s", "right, of 3", align="lrrl").row("x-y", ".1", "7", "2")
+    monkeypatch.setattr(readme_tables, "RESULTS", tmp_path)
+    end = "<!-- end of results -->"
+    block = readme_tables.with_tables(f"<!-- results some: one; right, of 3 | mean -->\nold\n{end}\n", "")
+    assert "| pair | right, of 3 | mean |\n|---|---|---:|\n| x-y | 2 | .1 |\n" in block
+    assert readme_tables.with_tables(block, "") == block
+    assert readme_tables.names(block) == {"some"}
+    with pytest.raises(ValueError, match="table 'one' has no column 'median'"):
+        readme_tables.with_tables(f"<!-- results some: one; mean | median -->\n{end}\n", "")
