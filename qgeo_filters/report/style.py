@@ -54,10 +54,13 @@ tbody th { font-weight: 500; }
 .meaning { color: var(--faint); font-size: .88rem; }
 .meaning { width: 46%; padding-right: 0; }
 table:not(:has(.meaning)) .sentence { min-width: 14rem; }  /* else a narrow page leaves it a letter a line */
-@media (max-width: 46rem) {  /* what a number means stands under it */
-  .explained tr { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); border-top: 1px solid var(--line); }
-  .explained tr > * { border-top: 0; width: auto; padding-bottom: 0; }
-  .explained .meaning { grid-column: 1 / -1; padding: 0 0 .35rem; }
+@media (max-width: 46rem) {  /* what a number means stands under its row, which has a column for each mesh */
+  .explained tr { display: flex; flex-wrap: wrap; border-top: 1px solid var(--line); }
+  .explained tr > * { border-top: 0; flex: 1 1 0; min-width: 0; padding-bottom: 0; }
+  .explained .meaning { flex-basis: 100%; padding: 0 0 .35rem; }
+  .explained thead th:empty:last-child { display: none; }
+  table:not(:has(.meaning)) .sentence { min-width: 11rem; }
+  tbody th { overflow-wrap: anywhere; }  /* names of files: else what they hold lies out of sight */
 }
 a { color: var(--accent); }
 footer { margin-top: 1.5rem; font-size: .88rem; color: var(--faint); overflow-wrap: anywhere; }

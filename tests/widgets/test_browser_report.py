@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from qgeo_filters.report.html import Picture, Table, write_report
+from qgeo_filters.report.html import Meaning, Picture, Table, write_report
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -61,4 +61,39 @@ def test_a_dark_page_is_printed_black_on_white(chromium, tmp_path: Path) -> None
     sheets = re.findall(rb"/Type\s*/Page\b", page.pdf(format="A4", prefer_css_page_size=True))
     filled = page.evaluate("document.documentElement.scrollHeight") / 1017  # A4 less 14 mm at each end
     assert len(sheets) < filled + 1.1
+    page.close()
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_rows_of_several_meshes_keep_their_columns(chromium, tmp_path: Path, width: int) -> None:  # type: ignore[no-untyped-def]
+    """On a narrow page, too, values of both meshes stand below their names, and what a number means under its row."""
+    counts = [("vertices", 2504, 2511, Meaning("points")), ("boundary_loops", 0, 1, Meaning("holes and rims " * 6))]
+    tables = [Table("Meshes", counts, ["", "horse0.off", "horse6.off", ""])]
+    write_report(tmp_path / "report.html", "Two meshes", tables=tables)
+    page = chromium.new_page(viewport={"width": width, "height": 800})
+    page.goto((tmp_path / "report.html").as_uri())
+    rows = page.evaluate(
+        """() => [...document.querySelectorAll('tr')].map(row => [...row.children].map(cell => {
+            const box = cell.getBoundingClientRect(); return [box.left, box.top, box.right, box.bottom];
+        }))"""
+    )
+    _, *names = np.array(rows[0])[:3]
+    for row in np.array(rows[1:]):
+        for name, value in zip(names, row[1:3], strict=True):
+            assert abs(value[0] - name[0]) < 2
+            assert value[1] >= name[3] - 1
+        assert abs(row[:3, 1] - row[0, 1]).max() < 1
+        assert row[3, 2] <= width
+        assert (row[3, 1] >= row[:3, 3].max() - 1) == (width == 390)
+    page.close()
+
+
+def test_files_and_what_they_hold_fit_a_narrow_page(chromium, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    """Nothing of the table lies beyond its edge, where one would have to scroll to it."""
+    files = {"horse0_on_horse6.ply": "X deformed onto Y, its triangles and colours, as MeshLab and Blender show it"}
+    write_report(tmp_path / "report.html", "Files", tables=[Table.of("Files", files)])
+    page = chromium.new_page(viewport={"width": 390, "height": 800})
+    page.goto((tmp_path / "report.html").as_uri())
+    assert page.evaluate("(() => { const e = document.querySelector('.scroll'); return e.scrollWidth - e.clientWidth })()") == 0
+    assert page.evaluate("document.querySelector('.sentence').getBoundingClientRect().width") > 150
     page.close()
