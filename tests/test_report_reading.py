@@ -112,6 +112,25 @@ def test_the_worst_places_are_far_from_each_other(sphere: Surface) -> None:
         worst_places(sphere, [1.0, 2.0, 3.0])
 
 
+def test_a_place_that_the_surface_hides_is_marked_before_it(sphere: Surface) -> None:
+    """The inner of two shells, as a mouth in a head: no view from outside sees it, and its mark is seen."""
+    inner = len(sphere.vertices)
+    both = Surface(
+        np.concatenate([sphere.vertices, 0.5 * sphere.vertices]), np.concatenate([sphere.faces, sphere.faces + inner])
+    )
+    place = inner + int(sphere.vertices[:, 1].argmax())
+    figure = plot_worst_places(both, both, np.arange(2 * inner), np.ones(2 * inner), [place, place - inner])
+    panels = [axes for axes in figure.axes if axes.images]
+    assert [axes.get_title() for axes in panels] == [
+        f"X, vertex {place}: 1, hidden", f"X, vertex {place - inner}: 1",
+        f"Y, vertex {place}, hidden", f"Y, vertex {place - inner}",
+    ]  # fmt: skip
+    for axes in panels:
+        red = np.asarray(axes.images[0].get_array()).astype(int) @ [2, -1, -1] > 180
+        assert red.any()
+        assert abs(np.nonzero(red)[0].mean() / len(red) - 0.5) < 0.06
+
+
 def test_the_picture_shows_each_place_and_its_image_in_the_middle(sphere: Surface) -> None:
     places = np.array([int((sphere.vertices @ axis).argmax()) for axis in ([1, 0, 0], [0, 0, -1], [0, 1, 0])])
     same = np.arange(sphere.n_vertices)

@@ -20,6 +20,7 @@ _AROUND = 0.3  # half the width of what is seen around a place, in sqrt(area)
 _SMOOTHED = 0.08  # radius of what a place's normal is the mean over
 _STEEPEST = 0.8  # sine of the elevation that a place is looked at from
 _MARK = (0.86, 0.11, 0.16)
+_RADIUS = 0.015  # of a mark, in sqrt(area)
 
 
 def worst_places(surface: SurfaceLike, values: npt.ArrayLike, count: int = 3, *, apart: float = _APART) -> IndexArray:
@@ -79,7 +80,8 @@ def plot_worst_places(
     values : array-like, shape (n_x,)
         What is bad there: in the titles.
     places : array-like of int, shape (k,)
-        Vertices of X, see `worst_places`; they are marked by red balls, and so are their images.
+        Vertices of X, see `worst_places`; they are marked by red balls, and so are their images. Where the surface
+        hides one, the ball is before what hides it, and the title says so.
     names : (str, str)
     colors : array-like, shape (n_y, 3), optional
         Of the vertices of Y, carried over to X along the map; those of their place by default.
@@ -120,9 +122,22 @@ def _near(surface: Surface, vertex: int, colors: FloatArray, title: str) -> Pane
     """The surface around a vertex, seen along its normal but from no steeper than upright pictures are."""
     middle, unit = surface.vertices[vertex], float(np.sqrt(surface.area))
     view = _facing(surface, vertex, unit)
+    covered = _covered(surface, vertex, view)
     room = middle + _AROUND * unit * np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]) @ view.axes
-    mark = ball(middle, 0.015 * unit, _MARK)
+    mark = ball(middle + covered * view.axes[2], _RADIUS * unit, _MARK)
+    title = f"{title}, hidden" if covered > _RADIUS * unit else title
     return Panel(surface, view, title, {"colors": colors, "glyphs": [mark], "shown": room})
+
+
+def _covered(surface: Surface, vertex: int, view: View) -> float:
+    """How far before a vertex the foremost point of the surface lies that hides it, in a mouth or a fold; else 0."""
+    seen = (surface.vertices - surface.vertices[vertex]) @ view.axes.T
+    a, b, c = (seen[surface.faces[:, corner]] for corner in range(3))
+    weights = np.column_stack([one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0] for one, two in ((b, c), (c, a), (a, b))])
+    total = weights.sum(axis=1)
+    over = ((weights >= 0).all(axis=1) | (weights <= 0).all(axis=1)) & (total != 0)
+    depths = np.column_stack([a[over, 2], b[over, 2], c[over, 2]])
+    return float(max(((weights[over] * depths).sum(axis=1) / total[over]).max(initial=0.0), 0.0))
 
 
 def _facing(surface: Surface, vertex: int, unit: float) -> View:

@@ -94,6 +94,9 @@ def test_files_and_what_they_hold_fit_a_narrow_page(chromium, tmp_path: Path) ->
     write_report(tmp_path / "report.html", "Files", tables=[Table.of("Files", files)])
     page = chromium.new_page(viewport={"width": 390, "height": 800})
     page.goto((tmp_path / "report.html").as_uri())
-    assert page.evaluate("(() => { const e = document.querySelector('.scroll'); return e.scrollWidth - e.clientWidth })()") == 0
+    assert (
+        page.evaluate("(() => { const e = document.querySelector('.scroll'); return e.scrollWidth - e.clientWidth })()")
+        == 0
+    )
     assert page.evaluate("document.querySelector('.sentence').getBoundingClientRect().width") > 150
     page.close()
