@@ -35,9 +35,8 @@ def demo(
     from qgeo_filters.caching import cache as stage_cache
     from qgeo_filters.cli.job import Job
     from qgeo_filters.cli.spectral import eigenvalue_table, spectrum_results
-    from qgeo_filters.cli.symmetry import (
-        draw_symmetry,
-        shown_symmetry,
+    from qgeo_filters.cli.symmetry_pictures import draw_symmetry, shown_symmetry
+    from qgeo_filters.cli.symmetry_results import (
         symmetry_arrays,
         symmetry_attributes,
         symmetry_measure,
