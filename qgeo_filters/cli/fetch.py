@@ -65,6 +65,6 @@ def fetch(
         return
     for note in notes:
         typer.echo(f"qgeo: {str(note.message).replace('known_hash', '--sha256')}", err=True)
-    layout = "vts" if isinstance(data, evaluation.VtsDataset) else "indexed"
+    layout = SOURCES[dataset].benchmark or ("vts" if isinstance(data, evaluation.VtsDataset) else "indexed")
     typer.echo(f"{dataset}: {len(data.names())} shapes in {data.root} ({SOURCES[dataset].terms})")
     typer.echo(f"maps on it are measured by: qgeo evaluate {layout} --root {data.root}")

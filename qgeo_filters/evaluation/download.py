@@ -36,6 +36,8 @@ class Source:
         Who made it, and on what terms.
     hashes : mapping of str to str
         SHA-256 of archives, by URL, where it is known from a source other than the download itself.
+    benchmark : str
+        Name in `BENCHMARKS` of what is measured on it; by default the layout that the reader reads.
     """
 
     urls: tuple[str, ...]
@@ -43,6 +45,7 @@ class Source:
     reader: Callable[[Path], Dataset]
     terms: str
     hashes: Mapping[str, str] = field(default_factory=dict)
+    benchmark: str = ""
 
 
 _LIX = "https://nuage.lix.polytechnique.fr/index.php/s/LJFXrsTG22wYCXx/download?path=%2F&files="
@@ -63,12 +66,14 @@ SOURCES: Mapping[str, Source] = {
         _HUMANS,
         VtsDataset,
         "Bogo, Romero, Loper, Black, FAUST, CVPR 2014, remeshed by Ren et al. 2018; for research, on FAUST's terms",
+        benchmark="faust_r",
     ),
     "scape-remeshed": Source(
         (f"{_LIX}SCAPE_r.zip", f"{_LIX}SCAPE_r_vts.zip"),
         _HUMANS,
         VtsDataset,
         "Anguelov et al., SCAPE, SIGGRAPH 2005, remeshed by Ren et al. 2018; for research",
+        benchmark="scape_r",
     ),
     "horse-gallop": Source(
         ("https://people.csail.mit.edu/sumner/research/deftransfer/data/horse-gallop.zip",),

@@ -6,13 +6,14 @@ import hashlib
 import shutil
 import zipfile
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from typer.testing import Result
 
-from qgeo_filters.evaluation import VtsDataset, download
+from qgeo_filters.evaluation import BENCHMARKS, VtsDataset, download
 from qgeo_filters.evaluation.download import SOURCES, Source
 
 pooch = pytest.importorskip("pooch")
@@ -68,6 +69,20 @@ def test_a_data_set_is_put_where_evaluate_finds_it(qgeo: Qgeo, archive: Path) ->
     assert (again.exit_code, again.stderr) == (0, "")
     quiet = qgeo("fetch", "poses", "--root", "sets", "-q")
     assert (quiet.exit_code, quiet.output) == (0, "")
+
+
+def test_the_benchmark_of_a_data_set_is_named(qgeo: Qgeo, archive: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With its test pairs and published figures: 'vts' would measure every two of a hundred shapes."""
+    assert {name: source.benchmark for name, source in SOURCES.items() if source.benchmark} == {
+        "faust-remeshed": "faust_r", "scape-remeshed": "scape_r"
+    }  # fmt: skip
+    for name in ("faust-remeshed", "scape-remeshed"):
+        known = replace(SOURCES[name], urls=(URL,))
+        monkeypatch.setattr(download, "SOURCES", {name: known})
+        result = qgeo("fetch", name, "--root", "sets")
+        assert f"qgeo evaluate {known.benchmark} --root sets/{name}" in result.stdout
+        pairs = list(BENCHMARKS[known.benchmark].read(Path("sets") / name).pairs())
+        assert pairs == [("one0", "one1"), ("one1", "one0")]
 
 
 def test_what_cannot_be_fetched_is_one_line(qgeo: Qgeo, archive: Path) -> None:
