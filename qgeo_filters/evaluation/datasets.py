@@ -51,9 +51,17 @@ class Dataset(ABC):
 
     def __init__(self, root: str | PathLike[str], files: Iterable[Path]) -> None:
         self.root = Path(root)
-        self.files = {file.stem: file for file in sorted(files, key=lambda file: natural_key(file.stem))}
+        self.files: dict[str, Path] = {}
+        for name, file in sorted(((self._name(file), file) for file in files), key=lambda one: natural_key(one[0])):
+            same = self.files.setdefault(name, file)
+            if same is not file:
+                raise MeshError(f"{' and '.join(sorted(map(str, (same, file))))} are both {name}: leave one there")
         if not self.files:
             raise FileNotFoundError(f"no meshes of {type(self).__name__} under {self.root}")
+
+    def _name(self, file: Path) -> str:
+        """What a shape is called."""
+        return file.stem
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({str(self.root)!r}: {len(self.files)} shapes)"

@@ -36,8 +36,8 @@ class Shrec19(Dataset):
         return {(file.stem.split("_")[0], file.stem.split("_")[1]): file for file in files}
 
     def pairs(self, category: str | None = None) -> Iterator[tuple[str, str]]:
-        """The pairs of the benchmark."""
-        yield from self._maps
+        """The pairs of the benchmark of which both meshes are here."""
+        yield from (pair for pair in self._maps if all(name in self.files for name in pair))
 
     def truth(self, x: str, y: str) -> PointMap:
         """True map of a pair of the benchmark."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
@@ -85,12 +86,20 @@ class VtsDataset(Dataset):
         return np.where(mirrored >= 0, mirrored, right)[first]
 
     def reversing(self, x: str, y: str) -> bool:
-        """Whether ``handedness.txt`` has the two shapes apart."""
+        """Whether ``handedness.txt`` has the two shapes apart; no pair is without that file."""
         file = self.root / "handedness.txt"
         if not file.is_file():
             return False
-        signs = dict(line.split() for line in file.read_text(encoding="utf-8").splitlines() if line.strip())
-        return signs.get(x) != signs.get(y)
+        signs: dict[str, str] = {}
+        for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
+            words = line.split()
+            if words and (len(words) != 2 or words[1] not in ("+", "-")):
+                raise MeshError(f"{file}: line {number}: expected a name and + or -, got {line[:60]!r}")
+            signs |= {words[0]: words[1]} if words else {}
+        unknown = [name for name in (x, y) if name not in signs]
+        if unknown:
+            raise MeshError(f"{file} does not say of which hand {unknown[0]} is")
+        return signs[x] != signs[y]
 
     def _points(self, x: str, y: str) -> tuple[IndexArray, IndexArray]:
         """Vertices of x, each once, that have a true image, and the point of the template that says so."""
@@ -161,11 +170,17 @@ class Dt4d(VtsDataset):
     """DeformingThings4D-Matching: ``off/CLASS/NAME.off``, ``corres/CLASS/NAME.vts``, pairs within a class and across.
 
     ``corres/cross_category_corres/ONE_OTHER.vts``, where it is, says for each point of the template of one class that
-    of the other, from 1. Magnet and Ovsjanikov, "DWKS", 3DV 2021, and its successors.
+    of the other, from 1. Magnet and Ovsjanikov, "DWKS", 3DV 2021, and its successors. A name that several classes have
+    becomes ``CLASS.NAME``.
     """
 
     def __init__(self, root: str | PathLike[str]) -> None:
-        Dataset.__init__(self, root, (Path(root) / "off").glob("*/*.off"))
+        files = list((Path(root) / "off").glob("*/*.off"))
+        self._classes = Counter(file.stem for file in files)
+        Dataset.__init__(self, root, files)
+
+    def _name(self, file: Path) -> str:
+        return file.stem if self._classes[file.stem] == 1 else f"{file.parent.name}.{file.stem}"
 
     def category(self, name: str) -> str:
         """The folder of the shape."""
@@ -191,7 +206,10 @@ class Dt4d(VtsDataset):
         return PointMap(points[images >= 0], images[images >= 0])
 
     def _vertices(self, name: str) -> IndexArray:
-        return vertices_from_one(self.root / "corres" / self.category(name) / f"{name}.vts", missing=True)
+        return vertices_from_one(self._beside(name, ".vts"), missing=True)
 
     def _mirror_file(self, name: str) -> Path:
-        return self.root / "corres" / self.category(name) / f"{name}.sym.vts"
+        return self._beside(name, ".sym.vts")
+
+    def _beside(self, name: str, suffix: str) -> Path:
+        return self.root / "corres" / self.category(name) / f"{self.files[name].stem}{suffix}"

@@ -74,6 +74,13 @@ def test_indexed_layout_is_the_identity_for_equal_sizes(tmp_path: Path) -> None:
         data.symmetry("tr_reg_000")
 
 
+def test_two_meshes_of_one_name_are_refused(tmp_path: Path) -> None:
+    """Which of the two was taken depended on the order of the folder."""
+    write(tmp_path, "cat0.off", "cat0.ply", "cat1.off")
+    with pytest.raises(MeshError, match=r"cat0\.off and .*cat0\.ply are both cat0: leave one there"):
+        IndexedDataset(tmp_path)
+
+
 def test_paper_meshes_have_no_truth(tmp_path: Path) -> None:
     write(tmp_path, "cat0.vert", "cat1.vert", "cat2.off")
     data = ToscaLowres(tmp_path)
@@ -102,6 +109,7 @@ def test_vts_layout_meets_at_the_template(tmp_path: Path) -> None:
 def test_shrec_layout_lists_its_own_pairs(tmp_path: Path) -> None:
     write(tmp_path / "off", "1.off", "2.off", "10.off")
     lines(tmp_path / "groundtruth" / "2_10.map", list(range(12, 0, -1)))
+    lines(tmp_path / "groundtruth" / "2_3.map", list(range(12, 0, -1)))  # without 3.off
     data = Shrec19(tmp_path)
     assert data.names() == ["1", "2", "10"]
     assert list(data.pairs()) == [("2", "10")]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -98,6 +99,14 @@ def test_pairs_and_hands_of_the_authors(tmp_path: Path) -> None:
     assert list(data.pairs()) == list(SplitDataset(tmp_path).pairs()) == [("c", "a")]
     assert data.reversing("a", "b")
     assert not data.reversing("a", "c")
+    lines(tmp_path / "handedness.txt", "a +", "c -")
+    for pair in (("a", "b"), ("b", "a"), ("b", "b")):  # of b nothing is known, not that it is unlike
+        with pytest.raises(MeshError, match=r"handedness\.txt does not say of which hand b is"):
+            data.reversing(*pair)
+    for line in ("b", "b + -", "b left"):
+        lines(tmp_path / "handedness.txt", "a +", "", line)
+        with pytest.raises(MeshError, match=re.escape(f"line 3: expected a name and + or -, got {line!r}")):
+            data.reversing("a", "b")
     lines(tmp_path / "test_pairs.txt", "a b c")
     with pytest.raises(MeshError, match="line 1: expected two names"):
         list(data.pairs())
@@ -117,6 +126,20 @@ def test_deforming_things_within_a_class_and_across(tmp_path: Path) -> None:
     truth = data.truth("x0", "y0")
     np.testing.assert_array_equal(truth.points, [0, 2])
     np.testing.assert_array_equal(truth.images, [7, 6])
+
+
+def test_classes_of_dt4d_may_share_names(tmp_path: Path) -> None:
+    """Each shape keeps its own mesh and its own points; before, the class that was read last had the name alone."""
+    for place, one in enumerate(("bear", "fox")):
+        for name in ("run", one):
+            mesh(tmp_path / "off" / one / f"{name}.off")
+            lines(tmp_path / "corres" / one / f"{name}.vts", place + 1, place + 2)
+    data = Dt4d(tmp_path)
+    assert sorted(data.names()) == ["bear", "bear.run", "fox", "fox.run"]
+    assert [sorted(pair) for pair in data.pairs()] == [["bear", "bear.run"], ["fox", "fox.run"]]
+    assert data.files["fox.run"] == tmp_path / "off" / "fox" / "run.off"
+    np.testing.assert_array_equal(data.truth("bear.run", "bear").points, [0, 1])
+    np.testing.assert_array_equal(data.truth("fox", "fox.run").images, [1, 2])
 
 
 def test_parts_know_their_whole(tmp_path: Path) -> None:
