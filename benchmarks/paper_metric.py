@@ -28,7 +28,7 @@ from qgeo_filters.evaluation import ToscaRemeshed
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.matching.initialization.sign_search import sign_search
-from qgeo_filters.matching.intrinsic_shape import MetricEmbedding, farthest_rows
+from qgeo_filters.matching.intrinsic_shape import IntrinsicShape, MetricEmbedding, farthest_rows
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.spectral.commutative import commutative_eigenspectra
@@ -51,8 +51,11 @@ def metrics(scalars: list[str], weights: list[float]) -> list[Metric]:
     return [CARTESIAN, *itertools.product(scalars, (weight for weight in weights if weight > 0))]
 
 
-def prepared(surface: Surface, metric: Metric) -> tuple[Any, Any]:
-    """What `sign_search` reads of a prepared shape with this metric alone, and the spectrum."""
+def prepared(surface: Surface, metric: Metric, heat: IntrinsicShape) -> tuple[Any, Any]:
+    """What `sign_search` reads of a prepared shape with this metric alone, and the spectrum.
+
+    Proposals are ranked by surroundings, too, which are those of the surface in every metric.
+    """
     scalar, weight = metric
     lifted = lifted_metric(surface, "mean_curvature" if weight == 0 else scalar, weight)
     matrix = distance_matrix(surface, lifted)
@@ -61,7 +64,10 @@ def prepared(surface: Surface, metric: Metric) -> tuple[Any, Any]:
     functions = spectrum.eigenfunctions.astype(np.float32)
     first = spectrum.truncated(FUNCTIONS)
     embedding = MetricEmbedding(weight, spectrum.eigenvalues, functions, first, matrix[fps])
-    shape = SimpleNamespace(embedding=lambda _: embedding, fps=fps, fps_distances=embedding.fps_distances)
+    surroundings = {"log_hks": heat.log_hks, "relief": heat.relief, "areas": heat.areas}
+    shape = SimpleNamespace(
+        embedding=lambda _: embedding, fps=fps, fps_distances=embedding.fps_distances, **surroundings
+    )
     return shape, spectrum
 
 
@@ -99,9 +105,10 @@ def _measured(
         return
     names = list(dict.fromkeys(name for pair in pairs for name in pair))
     units = {name: _unit(data.read(name)) for name in names}
+    heats = {name: IntrinsicShape(unit, unit, MatchingParameters()) for name, unit in units.items()}
     cartesian = {y: distance_matrix(units[y]) for y in dict.fromkeys(y for _, y in pairs)}
     for metric in left:
-        shapes = {name: prepared(units[name], metric) for name in names}
+        shapes = {name: prepared(units[name], metric, heats[name]) for name in names}
         for x, y in pairs:
             if (f"{x}-{y}", *metric) in done:
                 continue
