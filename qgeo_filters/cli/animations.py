@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from qgeo_filters.animation.sequence import Animation
     from qgeo_filters.cli.job import Job
 
-#: Numbers of an animation in result.npz, and its scene.
+#: What is written where no other file is asked for.
 SCENE = "animation.glb"
 
 Animate = Annotated[

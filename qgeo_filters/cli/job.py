@@ -111,14 +111,17 @@ class Job(JobMeshes):
     def stage(self, name: str, mesh: int | None = None) -> Iterator[None]:
         """Context that measures a stage, in wall-clock seconds, and shows on a terminal how far it is.
 
-        Errors are those of a mesh as in `about`.
+        Stages of one name, such as those of several meshes, are one: their seconds are added up. Errors are those of a
+        mesh as in `about`.
         """
         started = time.perf_counter()
         size = sum(mesh["vertices"] for mesh in self.meshes)
+        before = self.seconds.get(name, 0.0)
         expected = expected_seconds(cache.directory, self.command, name, size)
-        with self._display.stage(name, expected), self.about(mesh):
+        left = None if expected is None else max(expected - before, 0.0)
+        with self._display.stage(name, left), self.about(mesh):
             yield
-        self.seconds[name] = round(time.perf_counter() - started, 3)
+        self.seconds[name] = round(before + time.perf_counter() - started, 3)
 
     # -- out ----------------------------------------------------------------------------------------
 

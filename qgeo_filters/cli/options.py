@@ -14,16 +14,15 @@ from qgeo_filters._typing import RepairOption
 #: What results say of a spectrum that nothing stands in for.
 ALL_DISTANCES = "all distances"
 
-MeshFile = Annotated[
-    Path,
-    typer.Argument(metavar="MESH", help="OFF, OBJ, PLY, STL, GLB, or TOSCA's .vert/.tri, .mat.", show_default=False),
-]
+_FORMATS = "OFF, OBJ, PLY, STL, GLB, MAT, TOSCA's .vert/.tri; with their extras VTK, Gmsh, GIFTI, FreeSurfer."
+
+MeshFile = Annotated[Path, typer.Argument(metavar="MESH", help=_FORMATS, show_default=False)]
 MeshFiles = Annotated[
     list[Path],
     typer.Argument(
         metavar="MESH...",
-        help="OFF, OBJ, PLY, STL, GLB, or TOSCA's .vert/.tri, .mat. Several, or a folder: each has its own results; "
-        "what is bad is named, the rest goes on, and the exit code is 1.",
+        help=f"{_FORMATS} Several, or a folder: each has its own results; what is bad is named, the rest goes on, and "
+        "the exit code is 1.",
         show_default=False,
     ),
 ]

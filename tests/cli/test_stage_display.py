@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from io import StringIO
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,7 +12,8 @@ import pytest
 from rich.console import Console
 from typer.testing import Result
 
-from qgeo_filters.cli import app, stage_display
+from qgeo_filters.cli import app, job, stage_display
+from qgeo_filters.cli.options import Settings
 from qgeo_filters.cli.stage_display import TIMES, StageDisplay, expected_seconds, keep_times
 from qgeo_filters.parallel import report_progress
 
@@ -101,3 +103,24 @@ def test_commands_have_the_options_that_all_have() -> None:
             continue
         options = {option for parameter in command.params for option in parameter.opts}
         assert {"--threads", "--cache", "--quiet", "--json"} - options == lacking.get(name, set()), name
+
+
+def test_seconds_of_stages_of_one_name_are_added_up(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Two meshes that are read are both counted, where the last one alone was; what is left is that of both."""
+    now = SimpleNamespace(seconds=0.0)
+    monkeypatch.setattr(job, "time", SimpleNamespace(perf_counter=lambda: now.seconds))
+    told: list[float | None] = []
+
+    @contextmanager
+    def stage(name: str, expected: float | None) -> Iterator[None]:
+        told.append(expected)
+        yield
+
+    monkeypatch.setattr(job, "StageDisplay", lambda *_: SimpleNamespace(stage=stage))
+    monkeypatch.setattr(job, "expected_seconds", lambda *_: 5.0)
+    one = job.Job("match", Settings(tmp_path / "out", quiet=True), {})
+    for name, seconds in (("read", 2.0), ("match", 7.0), ("read", 4.0), ("read", 1.0)):
+        with one.stage(name):
+            now.seconds += seconds
+    assert one.seconds == {"read": 7.0, "match": 7.0}
+    assert told == [5.0, 5.0, 3.0, 0.0]
