@@ -119,9 +119,13 @@ def by_maps(
     collection = qg.Collection(shapes, store, groups=groups, partial=False, mirror="no")
     collection.match(workers=workers)
     status = collection.status()
+    record.note(f"{status.matched} of {status.pairs} pairs matched, {status.seconds:.0f} CPU s.")
+    found = collection.table()
+    within = found.group_x == found.group_y
+    sure = found.confident.fillna(False).astype(bool)
     record.note(
-        f"{status.matched} of {status.pairs} pairs matched, {status.confident} of them sure, "
-        f"{status.seconds:.0f} CPU s."
+        f"Of {within.sum()} maps within a category {(sure & within).sum()} are sure, of {(~within).sum()} between two "
+        f"{(sure & ~within).sum()}."
     )
     for problem in collection.problems:
         if problem.lost:
