@@ -56,11 +56,14 @@ tbody th { font-weight: 500; }
 table:not(:has(.meaning)) .sentence { min-width: 14rem; }  /* else a narrow page leaves it a letter a line */
 @media (max-width: 46rem) {  /* what a number means stands under its row, which has a column for each mesh */
   .explained tr { display: flex; flex-wrap: wrap; border-top: 1px solid var(--line); }
-  .explained tr > * { border-top: 0; flex: 1 1 0; min-width: 0; padding-bottom: 0; }
-  .explained .meaning { flex-basis: 100%; padding: 0 0 .35rem; }
+  .explained table tr > *, .explained thead + tbody tr:first-child > * { border-top: 0; flex: 1 1 0; min-width: 0;
+    padding-bottom: 0; }
+  .explained thead tr { border-top: 0; }
+  .explained tbody tr:nth-child(n) > .meaning { flex-basis: 100%; padding: 0 0 .35rem; }
   .explained thead th:empty:last-child { display: none; }
-  table:not(:has(.meaning)) .sentence { min-width: 11rem; }
-  tbody th { overflow-wrap: anywhere; }  /* names of files: else what they hold lies out of sight */
+  /* Long names of files are broken: else what they hold lies out of sight. */
+  table:not(:has(.meaning)) .sentence { min-width: 10rem; }
+  table:not(:has(.meaning)):has(.sentence) tbody th { min-width: 8rem; overflow-wrap: anywhere; }
 }
 a { color: var(--accent); }
 footer { margin-top: 1.5rem; font-size: .88rem; color: var(--faint); overflow-wrap: anywhere; }
