@@ -14,6 +14,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from qgeo_filters.matching.finish import turned_round
+from qgeo_filters.matching.initialization.limb_maps import LimbEnds
+from qgeo_filters.matching.partial.limb_moves import with_limbs_moved
 from qgeo_filters.matching.partial.part_choice import PlacedPart
 from qgeo_filters.matching.partial.partial_parameters import PartialParameters
 from qgeo_filters.matching.placement import Placement
@@ -28,7 +30,8 @@ from qgeo_filters.matching.smooth_shells import register
 def robust_to_shortcuts(problem: MatchProblem, found: Found, given: PartialParameters | None = None) -> Found:
     """What was found, or a clearly better map by distances that may only be shorter on the shape with more handles.
 
-    Nothing is sought where both shapes have as many handles, or where what was found is clear as it is.
+    Nothing is sought where both shapes have as many handles, or where what was found is clear as it is. Of the best place
+    limbs are moved to what it leaves uncovered, see `with_limbs_moved`.
 
     Parameters
     ----------
@@ -50,7 +53,10 @@ def robust_to_shortcuts(problem: MatchProblem, found: Found, given: PartialParam
     usual, *others = placed
     # Costs are rough, and the usual search has compared its map with many: another one needs a reason.
     clear = [p for p in others if p.cost * chosen.shortcut_reason < usual.cost]
-    choice = placement.compared.decided(min(clear, key=lambda p: p.cost, default=usual), placed)
+    ends = LimbEnds.of(way.x, placement.mirror, way.parameters)
+    cheapest = min(clear, key=lambda p: p.cost, default=usual)
+    best_place, moved = with_limbs_moved(placement.compared, ends.distances, cheapest)
+    choice = placement.compared.decided(best_place, [*placed, *moved])
     margin, unhinted = choice.margin, choice.unhinted
     if choice.best is usual:
         kept = replace(before, margin=min(before.margin, margin), unhinted=min(before.unhinted, unhinted))

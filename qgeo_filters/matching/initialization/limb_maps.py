@@ -67,14 +67,16 @@ class LimbEnds:
     partners: IndexArray
 
     @classmethod
-    def of(cls, shape: PreparedShape, mirror: IndexArray, given: MatchingParameters) -> LimbEnds:
-        """The extrema of the average distance that are not fingers of one hand."""
+    def of(cls, shape: PreparedShape, mirror: IndexArray | None, given: MatchingParameters) -> LimbEnds:
+        """The extrema of the average distance that are not fingers of one hand; no partners without a mirror."""
         kept: list[int] = []
         for place in agd_extrema(shape, given, count=len(shape.fps)):
             if all(shape.fps_distances[place, shape.fps[k]] > given.limb_ends_apart for k in kept):
                 kept.append(int(place))
         ends = np.array(kept[: given.limb_ends], dtype=np.int64)
         vertices, distances = shape.fps[ends], shape.fps_distances[ends]
+        if mirror is None:
+            return cls(vertices, distances, np.full(len(ends), -1))
         to_images = distances[:, mirror[vertices]]
         near = to_images.min(axis=0) < given.limb_end_mirrored
         return cls(vertices, distances, np.where(near, to_images.argmin(axis=0), -1))
