@@ -30,8 +30,8 @@ from qgeo_filters.matching.smooth_shells import register
 def robust_to_shortcuts(problem: MatchProblem, found: Found, given: PartialParameters | None = None) -> Found:
     """What was found, or a clearly better map by distances that may only be shorter on the shape with more handles.
 
-    Nothing is sought where both shapes have as many handles, or where what was found is clear as it is. Of the best place
-    limbs are moved to what it leaves uncovered, see `with_limbs_moved`.
+    Nothing is sought where both shapes have as many handles, or where what was found is clear as it is. Limbs of the
+    best place are moved to what it leaves uncovered, see `with_limbs_moved`.
 
     Parameters
     ----------

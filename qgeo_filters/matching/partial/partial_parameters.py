@@ -100,9 +100,9 @@ class PartialParameters:
     compared_reach: float = 0.2
     #: How many times as dear as another place the map of the usual search must be to give way.
     shortcut_reason: float = 1.3
-    #: A vertex is uncovered whose match comes back this far from it, and so many mean edges; parts of this area, so many
-    #: of them, are tried for each limb: its points are those this near its end, and they go to what lies this near the
-    #: part. So many times. (Of three misplaced arms half is uncovered, of all else nothing.)
+    #: A vertex is uncovered whose match comes back this far from it, and so many mean edges; parts of this area, so
+    #: many of them, are tried for each limb: its points are those this near its end, and they go to what lies this near
+    #: the part. So many times. (Of three misplaced arms half is uncovered, of all else nothing.)
     uncovered_gap: float = 0.04
     uncovered_edges: float = 1.5
     uncovered_area: float = 0.005
