@@ -21,33 +21,6 @@ _ROWS = 27
 
 
 @njit(error_model="numpy")
-def walked_rotations(
-    steps: FloatArray, walk: npt.NDArray[np.int64], before: npt.NDArray[np.int64], times: FloatArray
-) -> FloatArray:
-    """Unit quaternions (m, 4, lanes): products of the steps, rotation vectors (m, 3), along the walk, at some times."""
-    root = len(steps)
-    result = np.empty((len(steps), 4, LANES))
-    for t in walk:
-        angle = np.sqrt(steps[t, 0] ** 2 + steps[t, 1] ** 2 + steps[t, 2] ** 2)
-        unit = 1 / angle if angle > 0 else 0.0
-        p = before[t]
-        for lane in range(LANES):
-            half = 0.5 * times[lane] * angle
-            w, sine = np.cos(half), np.sin(half) * unit
-            x, y, z = sine * steps[t, 0], sine * steps[t, 1], sine * steps[t, 2]
-            if p != root:
-                a, b, c, d = result[p, 0, lane], result[p, 1, lane], result[p, 2, lane], result[p, 3, lane]
-                w, x, y, z = (
-                    a * w - b * x - c * y - d * z,
-                    a * x + b * w + c * z - d * y,
-                    a * y - b * z + c * w + d * x,
-                    a * z + b * y - c * x + d * w,
-                )
-            result[t, 0, lane], result[t, 1, lane], result[t, 2, lane], result[t, 3, lane] = w, x, y, z
-    return result
-
-
-@njit(error_model="numpy")
 def turned_sums(
     faces: npt.NDArray[np.int64],
     cotangents: FloatArray,

@@ -19,6 +19,8 @@ from qgeo_filters.surface import Surface
 
 # Passes in which rotations are fitted to what the gradients gave, so that lengths are the blended ones.
 _PASSES = 4
+# An angle so near to half a turn is one up to rounding, and goes either way.
+_HALF_TURN = 1e-9
 # Pull towards the linear blend, over the area: it places each piece, and does no more.
 _PLACING = 1e-6
 
@@ -48,12 +50,12 @@ class InterpolationPath:
         self._start, self._end = start.vertices, end
         self._shares = area_shares(start)
         self._whole = Similarity.between(start.vertices, end, self._shares, 1.0)
-        self._turn = Rotation.from_matrix(self._whole.rotation).as_rotvec()
+        self._turn = _turn(self._whole.rotation)
         frames = TriangleFrames(start.vertices, start.faces)
         gradients = frames.gradients(end @ self._whole.rotation)
         rotations = fit_rotations(gradients)
         stretches = np.einsum("tji,tjk->tik", rotations, gradients)
-        self._rotations = RotationWalk(rotations, start.twins)
+        self._rotations = RotationWalk(rotations, start, end)
         corners = start.vertices[frames.faces]
         sides = np.ascontiguousarray(corners[:, 1:] - corners[:, :1])
         cotangents = half_cotangents(start.vertices, start.faces)
@@ -108,3 +110,11 @@ class InterpolationPath:
             t * self._turn
         ).as_matrix().T + centre
         return placed
+
+
+def _turn(rotation: FloatArray) -> FloatArray:
+    """Rotation vector; of the two of half a turn always the same, which is not that of rounding."""
+    vector: FloatArray = Rotation.from_matrix(rotation).as_rotvec()
+    if np.linalg.norm(vector) > np.pi - _HALF_TURN and vector[np.abs(vector).argmax()] < 0:
+        return -vector
+    return vector

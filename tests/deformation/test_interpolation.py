@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
-from shapes import arched, blob, creature, cylinder, icosphere
+from shapes import arched, blob, creature, cylinder, grid, icosphere
 
 from qgeo_filters.deformation.fit_rotations import fit_rotations
 from qgeo_filters.deformation.frame_lanes import LANES
@@ -117,7 +119,7 @@ def one_after_the_other(start: Surface, end: np.ndarray, times: np.ndarray) -> l
     turn = Rotation.from_matrix(whole.rotation).as_rotvec()
     gradients = frames.gradients(end @ whole.rotation)
     rotations = fit_rotations(gradients)
-    walk = RotationWalk(rotations, start.twins)
+    walk = RotationWalk(rotations, start, end)
     stretches = np.einsum("tji,tjk->tik", rotations, gradients)
     solve = PoissonSolver(start.vertices, start.faces, 1e-6 * shares)
     found = []
@@ -154,9 +156,84 @@ def test_frames_side_by_side_are_those_of_the_method_one_after_the_other(count: 
 
 def test_rotations_along_the_walk_are_the_given_ones_at_its_end() -> None:
     start = Surface(*blob(2))
-    given = Rotation.random(start.n_faces, random_state=0).as_matrix()
+    wanted = Rotation.random(start.n_faces, random_state=0).as_matrix()
     times = np.r_[0.0, 1.0, np.full(LANES - 2, 0.5)]
-    found = RotationWalk(given, start.twins)(times)
+    found = RotationWalk(wanted, start, start.vertices)(times)
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1, atol=1e-12)
-    np.testing.assert_allclose(Rotation.from_quat(found[:, [1, 2, 3, 0], 1]).as_matrix(), given, atol=1e-10)
+    np.testing.assert_allclose(Rotation.from_quat(found[:, [1, 2, 3, 0], 1]).as_matrix(), wanted, atol=1e-10)
     np.testing.assert_allclose(np.abs(found[:, 0, 0]), 1, atol=1e-12)
+
+
+def saddle() -> tuple[Surface, np.ndarray]:
+    vertices, faces = grid(16)
+    x, y, _ = ((vertices - vertices.mean(axis=0)) / np.ptp(vertices[:, 0])).T
+    return Surface(vertices, faces), np.ptp(vertices[:, 0]) * np.column_stack([x, y, x**2 - y**2])
+
+
+def grown_along_axes() -> tuple[Surface, np.ndarray]:
+    vertices, faces = icosphere(2)
+    return Surface(vertices, faces), vertices**3 + 0.2 * vertices
+
+
+def wound_up() -> tuple[Surface, np.ndarray]:
+    """By one and a half turns: the whole is turned by a half, which goes either way."""
+    vertices, faces = cylinder(12, 30, radius=0.2, height=3.0)
+    angle = 3 * np.pi * (vertices[:, 2] / 3.0 - 0.5)
+    x, y, z = vertices.T
+    turned = np.column_stack([x * np.cos(angle) - y * np.sin(angle), x * np.sin(angle) + y * np.cos(angle), z])
+    return Surface(vertices, faces), turned
+
+
+def folded_creature() -> tuple[Surface, np.ndarray]:
+    vertices, faces = creature()
+    return Surface(vertices, faces), arched(vertices, 1.2)
+
+
+SYMMETRIC = {make.__name__: make for make in (saddle, grown_along_axes, wound_up, folded_creature)}
+
+
+@pytest.mark.parametrize("name", SYMMETRIC)
+@settings(max_examples=8, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_frames_do_not_depend_on_the_order_of_vertices_and_triangles(name: str, seed: int) -> None:
+    """Of symmetric shapes, whose triangles turn alike in many places, so that only rounding tells their steps apart."""
+    start, end = SYMMETRIC[name]()
+    rng = np.random.default_rng(seed)
+    order, triangles = rng.permutation(start.n_vertices), rng.permutation(start.n_faces)
+    corners = (rng.integers(0, 3, start.n_faces)[:, None] + np.arange(3)) % 3
+    faces = np.take_along_axis(np.argsort(order)[start.faces[triangles]], corners, axis=1)
+    shuffled = InterpolationPath(Surface(start.vertices[order], faces), end[order])
+    times = np.array([0.25, 0.5, 0.75])
+    for found, expected in zip(shuffled.frames(times), InterpolationPath(start, end).frames(times), strict=True):
+        np.testing.assert_allclose(found, expected[order], atol=1e-9 * np.sqrt(start.area))
+
+
+@pytest.mark.parametrize("name", [name for name in SYMMETRIC if name != "wound_up"])  # has no turn of its own
+@settings(max_examples=8, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_a_rigid_motion_of_the_end_moves_the_frames_rigidly(name: str, seed: int) -> None:
+    start, end = SYMMETRIC[name]()
+    moved_end = end @ Rotation.random(random_state=seed).as_matrix().T + np.random.default_rng(seed).normal(size=3)
+    found, expected = (InterpolationPath(start, other)(0.5) for other in (moved_end, end))
+    np.testing.assert_allclose(lengths(start, found), lengths(start, expected), atol=1e-9 * np.sqrt(start.area))
+    back = Similarity.between(found, expected, np.ones(len(found)), 1.0)
+    np.testing.assert_allclose(back(found), expected, atol=1e-9 * np.sqrt(start.area))
+
+
+@pytest.mark.parametrize("name", ["saddle", "grown_along_axes"])
+def test_noise_of_single_precision_hardly_changes_frames(name: str) -> None:
+    """It takes the tree along other ways; without what neighbours agree on, that is .01 sqrt(area)."""
+    start, end = SYMMETRIC[name]()
+    expected = InterpolationPath(start, end)(0.5)
+    for seed in range(4):
+        noise = 1e-7 * np.sqrt(start.area) * np.random.default_rng(seed).normal(size=end.shape)
+        found = InterpolationPath(start.with_vertices(start.vertices + noise), end)(0.5)
+        back = Similarity.between(found, expected, np.ones(len(found)), 1.0)
+        assert np.linalg.norm(back(found) - expected, axis=1).max() < 6e-4 * np.sqrt(start.area)
+
+
+def test_half_a_turn_goes_one_way_whatever_rounding_says() -> None:
+    start = Surface(*blob(2))
+    half = Rotation.from_rotvec([0, 0, np.pi]).as_matrix()
+    middles = [InterpolationPath(start, start.vertices @ half.T * size)(0.5) for size in 1 + 1e-15 * np.arange(5)]
+    np.testing.assert_allclose(middles, np.broadcast_to(middles[0], (5, *middles[0].shape)), atol=1e-9)
