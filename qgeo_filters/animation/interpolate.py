@@ -44,7 +44,7 @@ def interpolate(
         Where the way begins; its triangles are those of the result.
     y : the same, or an array (n_x, 3), or any iterable of such, or an array (k, n_x, 3)
         The other end, or the poses that the way goes through; meshes of the triangles of X, or of any others, or
-        positions of its vertices.
+        positions of its vertices. Of one MeshSet each layer is a pose, of several their current meshes.
     t : float or array-like
         0 is X, 1 is Y (or the first of several), 2 the second, and so on. Growing, where there are several.
     correspondence : MatchResult, BarycentricMap or array-like of int, shape (n_x,), optional

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.array_likes import as_array, is_array, is_array_like
 from qgeo_filters.errors import MeshError, ParameterError, concerning
-from qgeo_filters.hosts.dispatch import SurfaceLike, as_given, is_mesh, raw_mesh
+from qgeo_filters.hosts.dispatch import SurfaceLike, as_given, is_mesh, layers_of, raw_mesh
 from qgeo_filters.repair.winding import is_inside_out
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_vertices, real_numbers
@@ -27,7 +27,8 @@ def listed_poses(poses: Any, name: str = "poses") -> Iterable[Any]:
     Parameters
     ----------
     poses : array-like (k, n, 3) or (n, 3), mesh or path, or any iterable of arrays (n, 3), meshes and paths
-        A tuple of two arrays is one mesh if the second holds whole numbers, and two poses otherwise.
+        Each layer of a MeshSet is a pose; of one in a sequence its current mesh is. A tuple of two arrays is one mesh
+        if the second holds whole numbers, and two poses otherwise.
     name : str
         Of the argument, for errors.
 
@@ -37,7 +38,7 @@ def listed_poses(poses: Any, name: str = "poses") -> Iterable[Any]:
         Anything else, and what is in no order.
     """
     if is_mesh(poses):
-        return [poses]
+        return layers_of(poses)
     if is_array(poses):
         array = as_array(poses)
         if array.ndim == 2:

@@ -41,7 +41,8 @@ def transfer_deformation(
         The two shapes at rest, in any triangulation, position and size.
     x_poses : array-like (k, n_x, 3), or any iterable of arrays, meshes and paths
         Poses of X: positions of the vertices of the reference, or meshes of its triangles; with ``scans=True`` meshes
-        in any triangulation. One array (n_x, 3), mesh or path is one pose.
+        in any triangulation. One array (n_x, 3), mesh or path is one pose; of one MeshSet each layer is a pose (the
+        reference is its current mesh), of several their current meshes.
     correspondence : MatchResult, BarycentricMap or array-like of int, shape (n_y,), optional
         A match of the references, in either direction; or the point, or vertex, of X for each vertex of Y (-1: none).
         By default it is found by `match`.

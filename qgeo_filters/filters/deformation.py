@@ -49,7 +49,7 @@ class DeformationTransfer(MovingFilter):
     ----------
     source : mesh of any kind, or path
         The other mesh at rest, as the filtered one is.
-    poses : array, mesh or path, or any iterable of them
+    poses : array, mesh or path, or any iterable of them; of one MeshSet each layer is a pose
         Of the source, as in `transfer_deformation`; what can be gone through only once is kept as a list.
     frame : int
         Number of the pose in which the mesh comes back, from 0, negative ones from the end; all are in ``transfer_``.

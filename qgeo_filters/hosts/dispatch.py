@@ -32,6 +32,7 @@ __all__ = [
     "as_surface",
     "is_host_mesh",
     "is_mesh",
+    "layers_of",
     "raw_mesh",
     "repaired_by",
     "surface_and_repair",
@@ -187,6 +188,12 @@ def is_mesh(obj: Any) -> bool:
     if isinstance(obj, (Surface, RawMesh)) or is_path(obj) or is_host_mesh(obj) or is_pair_of_arrays(obj):
         return True
     return hasattr(obj, "vertices") and hasattr(obj, "faces")
+
+
+def layers_of(obj: Any) -> list[Any]:
+    """The meshes that an object holds which `as_surface` takes one of: the layers of a MeshSet; any other alone."""
+    layers = getattr(host_of(obj), "layers", None)
+    return [obj] if layers is None else list(layers(obj))
 
 
 def with_positions(host: Any, vertices: npt.ArrayLike) -> Any:

@@ -46,6 +46,12 @@ def read(mesh: Any, repair: bool) -> RawMesh:
     return RawMesh(layer.vertex_matrix(), layer.face_matrix(), attributes)
 
 
+def layers(mesh: Any) -> list[Any]:
+    """All meshes of a MeshSet, visible or not, in their order; a bare Mesh alone."""
+    pymeshlab = require_package("pymeshlab", "meshlab", "a PyMeshLab mesh")
+    return list(mesh) if isinstance(mesh, pymeshlab.MeshSet) and mesh.mesh_number() else [mesh]
+
+
 def write(mesh: Any, attributes: Mapping[str, np.ndarray]) -> Any:
     """New MeshSet with all layers of the old one and the attributes on its current mesh.
 

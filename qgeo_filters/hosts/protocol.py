@@ -22,7 +22,8 @@ class Host(Protocol):
 
     A host may also have ``make(surface)``, a mesh of the library with the vertices, faces and attributes of a
     `Surface`; `testing.check_filter` then tries every filter on it. And ``lines(curves)``, the library's lines through
-    the points of each curve, a list of arrays (k, 3): what `polylines` gives.
+    the points of each curve, a list of arrays (k, 3): what `polylines` gives. And ``layers(mesh)``, the meshes that an
+    object holds of which ``read`` takes one: each is a pose where poses are asked for.
 
     Examples
     --------

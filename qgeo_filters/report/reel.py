@@ -72,13 +72,19 @@ def reels(animation: Animation, names: tuple[str, str] = ("X", "Y"), view: View 
         raise ParameterError(f"names must be two, of X and of Y, got {names!r}")
     surface = animation.surface
     if not isinstance(animation, Transfer) or animation.source is None or animation.place is None:
-        view = view or best_view(animation.positions[0], surface.faces)
+        view = view or standing_view(animation)
         return [Reel(names[-1], animation, np.tile(CLAY, (surface.n_vertices, 1)), view)]
     source = animation.source
-    # Y stands in its own frame at rest, and that is how the view knows what is up; in a pose it may jump or lie.
-    view = view or best_view(surface.vertices, surface.faces)
+    view = view or standing_view(animation)
     of_x, of_y = transfer_colors(source.surface, animation.place, view)
     return [Reel(names[0], source, of_x, view), Reel(names[1], animation, of_y, view)]
+
+
+def standing_view(animation: Animation) -> View:
+    """The best view of the first frame; of a `Transfer` of Y at rest."""
+    # Y stands in its own frame at rest, and that is how the view knows what is up; in a pose it may jump or lie.
+    carried = isinstance(animation, Transfer) and animation.source is not None and animation.place is not None
+    return best_view(animation.surface.vertices if carried else animation.positions[0], animation.surface.faces)
 
 
 def transfer_colors(x: Surface, place: BarycentricMap, view: View | None = None) -> tuple[FloatArray, FloatArray]:

@@ -177,3 +177,27 @@ def test_inputs_are_as_they_were() -> None:
     by_transfer(given)
     by_interpolation(given)
     np.testing.assert_array_equal(given, POSES)
+
+
+def test_each_layer_of_a_meshset_is_a_pose_and_of_several_their_current_meshes() -> None:
+    """The reference is the current mesh; layers out of sight count, and a deleted one does not."""
+    pymeshlab = pytest.importorskip("pymeshlab")
+    layers = pymeshlab.MeshSet()
+    for positions in (POSES[0], X.vertices, 2 * X.vertices, POSES[1]):
+        layers.add_mesh(pymeshlab.Mesh(positions, X.faces))
+    layers.set_current_mesh(2)
+    layers.delete_current_mesh()
+    layers.set_current_mesh(1)
+    layers.set_mesh_visibility(3, False)
+    expected = np.stack([POSES[0], X.vertices, POSES[1]])
+    np.testing.assert_array_equal([mesh.vertex_matrix() for mesh in listed_poses(layers)], expected)
+    moved = qg.transfer_deformation(layers, layers, X, SAME)
+    np.testing.assert_allclose(moved.positions, expected, atol=1e-9)
+    np.testing.assert_allclose(qg.interpolate(layers, layers, [1, 2, 3]).positions, expected, atol=1e-9)
+    assert len(list(qg.transferred_poses(layers, [layers, layers], X, SAME))) == 2
+    np.testing.assert_allclose(by_transfer([layers, layers]), [X.vertices, X.vertices], atol=1e-9)
+    one = pymeshlab.MeshSet()
+    one.add_mesh(pymeshlab.Mesh(POSES[1], X.faces))
+    np.testing.assert_allclose(by_transfer(one, 1), POSES[1:], atol=1e-9)
+    with pytest.raises(qg.MeshError, match="the MeshSet has no meshes"):
+        qg.transfer_deformation(X, pymeshlab.MeshSet(), X, SAME)

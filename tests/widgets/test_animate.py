@@ -11,6 +11,8 @@ import qgeo_widgets as qw
 from qgeo_filters import Animation, Surface
 from qgeo_filters.animation.pose_transfer import Transfer
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.report.colors import MISSING
+from qgeo_filters.report.reel import reels
 from qgeo_widgets.rendering import motion as motions
 from qgeo_widgets.rendering.motion import TICKS
 
@@ -208,6 +210,54 @@ def test_attributes_color_both_shapes_and_are_missing_where_absent(transfer):
     assert len(np.unique(right.colors, axis=0)) == 1
     widget.mode = "plain"
     assert len(np.unique(left.colors, axis=0)) == 1
+    widget.close()
+
+
+@pytest.mark.parametrize("backend", ["webgl", "pythreejs"])
+def test_a_transfer_has_the_colors_of_its_film(pair, backend, tmp_path):
+    """On Y those of the points of X, grey where there is none; also in the page, which begins with them."""
+    x, _, _ = pair
+    y = Surface(*shapes.icosphere(2))
+    partners = np.arange(y.n_vertices) % x.n_vertices
+    partners[:5] = -1
+    moved = qg.transfer_deformation(x, swaying(x).positions, y.with_attributes({"old": y.vertices[:, 0]}), partners)
+    before = qw.backend()
+    qw.backend(backend)
+    try:
+        widget = qw.animate(moved)
+    finally:
+        qw.backend(before)
+    assert widget.message == ""
+    assert widget.mode == "colours carried from X to Y"
+    assert list(widget.modes)[:2] == ["colours carried from X to Y", "plain"]
+    left, right = widget._viewer.panes
+    for pane, reel in zip((left, right), reels(moved), strict=True):
+        np.testing.assert_allclose(pane.colors, reel.colors)
+    np.testing.assert_allclose(right.colors[5:], left.colors[partners[5:]])
+    np.testing.assert_allclose(right.colors[:5], np.broadcast_to(MISSING, (5, 3)))
+    assert len(np.unique(left.colors, axis=0)) > 100
+    if backend == "webgl":
+        widget.to_html(tmp_path / "page.html")
+        assert "the colour of its partner on X" in (tmp_path / "page.html").read_text()
+    widget.mode = "plain"
+    assert len(np.unique(right.colors, axis=0)) == 1
+    widget.close()
+    widget = qw.animate(moved, attribute="old")
+    assert widget.mode == "attribute: old"
+    widget.close()
+
+
+def test_layers_of_a_meshset_are_frames(walk):
+    pymeshlab = pytest.importorskip("pymeshlab")
+    layers = pymeshlab.MeshSet()
+    for positions in walk.positions:
+        layers.add_mesh(pymeshlab.Mesh(positions, walk.surface.faces))
+    layers.set_current_mesh(1)
+    layers.current_mesh().add_vertex_custom_scalar_attribute(walk.surface.vertices[:, 2], "height")
+    widget = qw.animate(layers, attribute="height")
+    assert widget.message == ""
+    np.testing.assert_allclose(widget._viewer.panes[0].motion.animation.positions, walk.positions)
+    np.testing.assert_allclose(widget._viewer.panes[0].motion.animation.surface.vertices, walk.positions[1])
     widget.close()
 
 

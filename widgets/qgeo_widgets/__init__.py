@@ -48,10 +48,12 @@ def animate(
     animation : Animation, Transfer, or any iterable of mesh objects
         What `qgeo_filters.interpolate`, `transfer_deformation` and the like return; or meshes with equal triangles,
         anything that `qgeo_filters.as_surface` takes, one for each frame; after the first also arrays of positions.
+        Of one MeshSet each layer is a frame, and the attributes are those of its current mesh.
     seconds : float, optional
         From the first frame to the last at speed 1. By default a fifteenth of a second a frame, from 2 to 12 in all.
     attribute : str, optional
-        Of the surface, that colours it at first; the list has all. A value belongs to a vertex and goes with it.
+        Of the surface, that colours it at first; the list has all. A value belongs to a vertex and goes with it. By
+        default X and Y of a transfer have the colours of films, equal where they belong together.
     size : (int, int)
         Width and height of each canvas in pixels.
 

@@ -10,11 +10,14 @@ from typing import Any
 import numpy as np
 import traitlets
 
+from qgeo_filters._typing import FloatArray
+from qgeo_filters.animation.pose_transfer import Transfer
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.report.reel import standing_view, transfer_colors
 from qgeo_filters.validation import checked_count
 from qgeo_widgets.animation_input import animations_of
 from qgeo_widgets.base import ShapeWidget
-from qgeo_widgets.coloring import ATTRIBUTE
+from qgeo_widgets.coloring import ATTRIBUTE, CARRIED
 from qgeo_widgets.fields import ColorField, Field, number_field
 from qgeo_widgets.player import FASTEST, LOOPS, REPEAT, SLOWEST, Player
 from qgeo_widgets.rendering.backends import new_viewer
@@ -61,12 +64,17 @@ class AnimateWidget(ShapeWidget):
             self._shapes = [Shape(moving.surface, name) for name, moving in named]
             animations = [moving for _, moving in named]
             player = Player(self._times, _checked_seconds(seconds, len(self._times)))
-            self._modes = {PLAIN: self._plain_field}
+            transfer = animations[-1]
+            if isinstance(transfer, Transfer) and len(animations) == 2 and transfer.place is not None:
+                colors = transfer_colors(animations[0].surface, transfer.place, standing_view(transfer))
+                self._modes[CARRIED] = partial(self._carried_field, colors)
+            self._modes[PLAIN] = self._plain_field
             for name in {name: None for shape in self._shapes for name in shape.surface.attributes}:
                 self._modes[ATTRIBUTE + name] = partial(self._attribute_field, name)
-            mode = PLAIN if attribute is None else ATTRIBUTE + attribute
+            mode = next(iter(self._modes)) if attribute is None else ATTRIBUTE + attribute
             if mode not in self._modes:
-                known = ", ".join(name.removeprefix(ATTRIBUTE) for name in list(self._modes)[1:]) or "none"
+                there = (name for name in self._modes if name.startswith(ATTRIBUTE))
+                known = ", ".join(name.removeprefix(ATTRIBUTE) for name in there) or "none"
                 raise ParameterError(f"there is no attribute {attribute!r} (there are: {known})")
             placements = placements_of(animations)
             motions = [Motion(*each) for each in zip(animations, placements, strict=True)]
@@ -173,7 +181,12 @@ class AnimateWidget(ShapeWidget):
     # -- colours ------------------------------------------------------------------------------------
 
     def _columns(self, mode: str) -> int:
-        return max(shape.columns(mode.removeprefix(ATTRIBUTE)) for shape in self._shapes) if mode != PLAIN else 1
+        if not mode.startswith(ATTRIBUTE):
+            return 1
+        return max(shape.columns(mode.removeprefix(ATTRIBUTE)) for shape in self._shapes)
+
+    def _carried_field(self, colors: tuple[FloatArray, FloatArray], k: int) -> Field:
+        return ColorField(list(colors), "each point of Y has the colour of its partner on X; on X it tells the place")
 
     def _plain_field(self, k: int) -> Field:
         return ColorField([np.tile(CLAY, (shape.surface.n_vertices, 1)) for shape in self._shapes], "")

@@ -10,7 +10,7 @@ from qgeo_filters.animation.pose_transfer import Transfer
 from qgeo_filters.animation.poses import given_poses, has_no_triangles, listed_poses
 from qgeo_filters.animation.sequence import Animation
 from qgeo_filters.errors import ParameterError, concerning
-from qgeo_filters.hosts.dispatch import as_surface
+from qgeo_filters.hosts.dispatch import as_surface, is_mesh
 
 _WANTED = "animate takes an Animation, a Transfer, or meshes with equal triangles"
 
@@ -44,5 +44,5 @@ def _of_meshes(given: Any) -> Animation:
     if has_no_triangles(meshes[0]):
         raise ParameterError("positions alone have no triangles: animate(qgeo_filters.Animation(mesh, positions))")
     with concerning("mesh 0"):
-        first = as_surface(meshes[0])
+        first = as_surface(given if is_mesh(given) else meshes[0])
     return Animation(first, np.stack(list(given_poses(first, meshes))))

@@ -16,6 +16,7 @@ from qgeo_widgets.guarded import GuardedWidget
 from qgeo_widgets.rendering.viewer import Viewer
 
 EIGENFUNCTION = "eigenfunction"
+CARRIED = "colours carried from X to Y"
 ATTRIBUTE = "attribute: "
 
 

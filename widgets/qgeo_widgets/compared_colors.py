@@ -12,7 +12,7 @@ from qgeo_filters._typing import FloatArray
 from qgeo_filters.defaults import EIGENPAIRS
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.report.colors import position_colors
-from qgeo_widgets.coloring import ATTRIBUTE, EIGENFUNCTION
+from qgeo_widgets.coloring import ATTRIBUTE, CARRIED, EIGENFUNCTION
 from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field, region_field
 from qgeo_widgets.matching_widget import MatchingWidget
 from qgeo_widgets.texture import Texture, texture_places
@@ -21,7 +21,6 @@ from qgeo_widgets.vertex_map import VertexMap
 if TYPE_CHECKING:
     from qgeo_filters.matching.match_result import MatchResult
 
-CARRIED = "colours carried from X to Y"
 REGIONS = "matched regions"
 DISTORTION = "distortion of distances"
 DISTANCE = "distance from the picked point"

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.animation.sequence import Animation
-from qgeo_filters.report.view import best_view
+from qgeo_filters.report.reel import standing_view
 from qgeo_widgets.rendering.display_mesh import DisplayMesh
 from qgeo_widgets.rendering.scene_placement import ScenePlacement, reach
 
@@ -105,10 +105,10 @@ class Motion:
 def placements_of(animations: Sequence[Animation]) -> list[ScenePlacement]:
     """Placements of one turn and one size, in which each animation is centred on all of its frames.
 
-    The last one decides how they are turned, by its first frame, and its area is 1.
+    The last one decides how they are turned, as films do, and its area is 1.
     """
     last = animations[-1].surface
-    axes = best_view(animations[-1].positions[0], last.faces).axes
+    axes = standing_view(animations[-1]).axes
     scale = 1.0 / np.sqrt(last.area) if last.area > 0 else 1.0
     placements = []
     for animation in animations:
