@@ -25,6 +25,11 @@ def listed(indices: npt.ArrayLike, limit: int = 5) -> str:
     return ", ".join(map(str, values[:limit])) + (", ..." if len(values) > limit else "")
 
 
+#: Widths of a mesh between which all that is computed of it stays in float64: geodesic graphs take sixth powers of
+#: edges, which may be a ten-thousandth as long, and are silently wrong beyond.
+NARROWEST, WIDEST = 1e-45, 1e50
+
+
 def checked_vertices(vertices: npt.ArrayLike) -> FloatArray:
     """Copy of the coordinates as (n, 3) float64, or `MeshError`."""
     try:
@@ -46,8 +51,8 @@ def checked_vertices(vertices: npt.ArrayLike) -> FloatArray:
             f"({bad.size} such {'vertex' if bad.size == 1 else 'vertices'})"
         )
     extent = float(np.ptp(array, axis=0).max())
-    if not extent < 1e100 or (0 < extent < 1e-100):
-        raise MeshError(f"the mesh is {extent:g} units wide, where squares of lengths leave float64; rescale it")
+    if not extent < WIDEST or (0 < extent < NARROWEST):
+        raise MeshError(f"the mesh is {extent:g} units wide, where powers of lengths leave float64; rescale it")
     return array
 
 

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from shapes import bow_tie, fan, grid, icosphere
+from shapes import blob, bow_tie, fan, grid, icosphere
 
+import qgeo_filters as qg
 from qgeo_filters.errors import DisconnectedError, MeshError, NonManifoldError
 from qgeo_filters.hosts.dispatch import as_surface
 from qgeo_filters.surface import Surface
@@ -171,8 +172,8 @@ def changed(array, index, value, dtype=None):
         (V, np.zeros((5, 4), int), r"got \(5, 4\) \(quadrilaterals\? triangulate the mesh first\)"),
         (changed(V, 17, np.nan), F, r"vertices\[17\] is \[nan, nan, nan\]: .* finite \(1 such vertex\)"),
         (changed(V, (slice(3, 5), 1), np.inf), F, r"vertices\[3\] .* finite \(2 such vertices\)"),
-        (V * 1e101, F, "units wide"),
-        (V * 1e-101, F, "units wide"),
+        (V * 1e51, F, "units wide"),
+        (V * 1e-46, F, "units wide"),
         (V, changed(F, (9, 1), 42), r"faces\[9\] refers to vertex 42, but there are 42 vertices.*\(1 such face\)"),
         (V, changed(F, (slice(4, 6), 0), -1), r"faces\[4\] refers to vertex -1, .*\(2 such faces\)"),
         (V, changed(F, (0, 0), 2**40, np.int64), r"refers to vertex 1099511627776"),
@@ -217,3 +218,25 @@ def test_requirements_name_the_offender():
         Surface(np.vstack([V, [[9, 9, 9]]]), F).require_connected("X")
     Surface(V, F).require_manifold("X")
     Surface(V, F).require_connected("X")
+
+
+@pytest.mark.parametrize("power", [-148, 164])  # of two: 2.8e-45 and 2.3e49
+@pytest.mark.parametrize("method", ["graph", "exact", "edges"])
+def test_distances_scale_with_the_mesh_up_to_the_width_that_is_refused(method: str, power: int) -> None:
+    """A mesh 1e-100 wide was taken, and its distances were a hundredth of what they are, or never ended."""
+    vertices, faces = blob(2)
+    expected = qg.distances((vertices, faces), [0], method=method)
+    found = qg.distances((vertices * 2.0**power, faces), [0], method=method)
+    np.testing.assert_array_equal(found, expected * 2.0**power)
+
+
+def test_complex_vertices_are_refused_without_a_warning_of_numpy() -> None:
+    with pytest.raises(MeshError, match="real numbers, got complex ones"):
+        qg.as_surface((V + 1j, F), repair="auto")
+
+
+def test_a_path_on_a_mesh_in_one_point_bends_nowhere() -> None:
+    vertices, faces = blob(1)
+    path = qg.quasi_geodesic((0 * vertices, faces), 0, 7)
+    assert path.length == 0.0
+    assert (path.kappa_g == 0.0).all()

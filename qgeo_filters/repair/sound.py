@@ -80,6 +80,8 @@ def sound_mesh(raw: RawMesh) -> SoundMesh:
 def _arrays(raw: RawMesh) -> tuple[FloatArray, IntArray]:
     """Arrays of the right shape; what no repair can make sense of is refused as always."""
     try:
+        if np.iscomplexobj(raw.vertices):  # NumPy would drop the imaginary part, with a warning
+            raise TypeError
         vertices, faces = np.array(raw.vertices, dtype=np.float64), np.asarray(raw.faces)
     except (TypeError, ValueError):
         checked_faces(raw.faces, len(checked_vertices(raw.vertices)))  # raises, with the reason

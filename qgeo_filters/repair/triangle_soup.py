@@ -94,8 +94,6 @@ def repaired_mesh(sound: SoundMesh, *, most_lost: float = MOST_AREA_LOST, pieces
     stands_for = joined[original[stands_for]]
     faces, kept = _without_repeats(joined[faces].astype(np.int32), kept, report)
     area = _area(vertices, faces)
-    if not np.isfinite(area):
-        raise MeshError("the areas of the faces leave float64; rescale the mesh")
     origin, faces, left = split_into_fans(vertices, faces, report)
     kept = kept[left]
     if pieces == "largest":

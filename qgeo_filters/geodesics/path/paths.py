@@ -254,7 +254,8 @@ class PathFinder:
             )
         left, right = nodes["left_angle"][1:-1], nodes["right_angle"][1:-1]
         total = left + right
-        kappa = 2 * np.pi / total * (0.5 * total - right)
+        # Without any angle, where a mesh is drawn together to a point, nothing bends.
+        kappa = 2 * np.pi / np.where(total > 0, total, 1.0) * (0.5 * total - right)
         return GeodesicPath(
             points=frozen(self._positions(nodes)),
             faces=frozen(nodes["face"].astype(np.int32)),
