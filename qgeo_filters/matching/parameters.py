@@ -130,6 +130,10 @@ class MatchingParameters(ShapeParameters):
     mirror_image_ratio: float = 0.5
     #: Or if the best of the others costs this many times as much as the best of them.
     mirror_image_cost: float = 1.3
+    #: Where no map that keeps the orientation was proposed, one by a rough reflection does not compete, and nothing is
+    #: sure, if it keeps distances to this: right maps between poses do no better (a wolf without a leg has .013,
+    #: bodies without a symmetry .027 to .054).
+    nearly_symmetric: float = 0.03
 
     # -- spectral upsampling of candidates -------------------------------------------------------------------
     #: Farthest points and step of the growth from 20 eigenfunctions of the distances on (tuning: as good as all).

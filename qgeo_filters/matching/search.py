@@ -117,6 +117,9 @@ def competing_candidates(problem: MatchProblem) -> tuple[list[Candidate], list[C
         return keeping, reversing, np.inf
     if not keeping:  # none was proposed: that does not say that none is as good
         keeping = _rough_twins(problem, reversing)
+        # What nearly has a left and a right, such as a wolf without a leg, may have lost the other one.
+        if keeping and min(c.mean_distortion for c in keeping) < given.nearly_symmetric:
+            keeping = _dropped(log, keeping, "nearly keeps distances: the shape may be in its own hand")
     if not keeping:
         return keeping, reversing, 1.0
     least = [max(min(c.mean_distortion for c in some), given.least_distortion) for some in (keeping, reversing)]
