@@ -89,15 +89,18 @@ class Repair:
         Where a vertex is gone: NaN for floating-point values, -1 for integers (unsigned ones become
         int64), False for booleans.
         """
-        array = as_array(values)
-        if len(array) != len(self.origin):
-            raise MeshError(f"values of shape {array.shape} do not fit the {len(self.origin)} repaired vertices")
-        if array.dtype.kind == "u":
-            array = array.astype(np.int64)
+        array = self._of_repaired(values)
         missing: Any = {"b": False, "i": -1}.get(array.dtype.kind, np.nan)
         back = array[np.maximum(self.vertex_of_original, 0)]
         back[self.vertex_of_original < 0] = missing
         return back
+
+    def _of_repaired(self, values: npt.ArrayLike) -> np.ndarray:
+        """Values at the repaired vertices, of a kind that has something to say that there is none."""
+        array = as_array(values)
+        if len(array) != len(self.origin):
+            raise MeshError(f"values of shape {array.shape} do not fit the {len(self.origin)} repaired vertices")
+        return array.astype(np.int64) if array.dtype.kind == "u" else array
 
     def places_on_given(self, places: BarycentricMap) -> BarycentricMap:
         """Points of triangles of ``given``, for points of triangles of ``surface``."""

@@ -21,7 +21,6 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from qgeo_filters._typing import FloatArray, IntArray
-from qgeo_filters.array_likes import as_array
 from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.closest_points import closest_points
 from qgeo_filters.connectivity import vertex_components
@@ -73,10 +72,7 @@ class Wrap(Repair):
 
     def map_back(self, values: npt.ArrayLike) -> np.ndarray:
         """Values at the original vertices: interpolated, or of the nearest vertex where they are whole numbers."""
-        array = as_array(values)
-        if len(array) != len(self.origin):
-            raise MeshError(f"values of shape {array.shape} do not fit the {len(self.origin)} vertices of the wrap")
-        return self.places.pulled_back(array)
+        return self.places.pulled_back(self._of_repaired(values))
 
     def places_on_given(self, places: BarycentricMap) -> BarycentricMap:
         """Nearest points of triangles of ``given``, for points of triangles of the wrap."""

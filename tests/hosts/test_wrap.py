@@ -133,6 +133,20 @@ def test_openings_are_closed_up_to_the_size_that_is_asked_for() -> None:
         qg.wrap_surface((vertices, open_at_top), alpha=0.02)
 
 
+def test_values_of_all_kinds_come_back() -> None:
+    wrap = qg.wrap_surface(in_pieces(creature(level=3)))
+    number = np.arange(wrap.surface.n_vertices)
+    inside = wrap.vertex_of_original < 0
+    assert inside.sum() == 4
+    for kind, missing in ((np.int32, -1), (np.uint16, -1), (bool, False)):
+        back = wrap.map_back(number.astype(kind))
+        np.testing.assert_array_equal(back[~inside], number.astype(kind)[wrap.vertex_of_original[~inside]])
+        assert (back[inside] == missing).all()
+    assert np.isnan(wrap.map_back(number.astype(np.float32))[inside]).all()
+    with pytest.raises(qg.MeshError, match="do not fit"):
+        wrap.map_back(number[:-1])
+
+
 def test_what_has_no_inside_is_refused() -> None:
     with pytest.raises(
         qg.MeshError, match="open sheet, or open wider than 3 % of the diagonal: a wrap would go inside"
