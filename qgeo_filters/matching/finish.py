@@ -43,7 +43,7 @@ def _registered(problem: MatchProblem, coarse: DenseMap) -> DenseMap:
 
 
 def turned_round(pair: LevelPair, back: DenseMap) -> DenseMap:
-    """The map from X to Y of one from Y to X, X where it lies on the deformed Y."""
+    """The map from X to Y of the pair, of one from Y to X: X where it lies on the deformed Y."""
     x, y = pair.x.unit, pair.y.unit
     faces, coordinates = closest_facing_points(x.vertices, x.vertex_normals, y.with_vertices(back.positions))
     positions = BarycentricMap(faces, y.faces[faces].astype(np.int64), coordinates).pulled_back(y.vertices)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 from qgeo_filters._typing import IndexArray
-from qgeo_filters.matching.finish import turned_round
 from qgeo_filters.matching.initialization.candidates import mapped_points
 from qgeo_filters.matching.initialization.limb_maps import limb_maps
 from qgeo_filters.matching.initialization.upsampling import laplacian_lift
@@ -62,12 +61,12 @@ def _settled_limb_maps(problem: MatchProblem, mirror_x: IndexArray, mirror_y: In
 
 def _turned_round(problem: MatchProblem, back: list[Contender]) -> list[Contender]:
     """The cheapest maps from Y to X as ones from X to Y, where those end."""
-    given, swapped = problem.parameters, problem.swapped()
+    given = problem.parameters
     cheapest = sorted(back, key=lambda c: c.end_cost)[: given.limb_turned_count]
     for c in back:
         if c not in cheapest:
             problem.log.drop(c.number, "from Y to X others cost less")
-    maps = [(c.number, turned_round(swapped, c.dense).p2p) for c in cheapest]
+    maps = [(c.number, c.dense.inverse) for c in cheapest]
     try:
         ends = registered(problem, maps, given.coarse_to_fine)
     finally:

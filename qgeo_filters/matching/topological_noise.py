@@ -76,4 +76,4 @@ def _contender(way: MatchProblem, problem: MatchProblem, place: PlacedPart) -> C
         dense = register(way, place.map.p2p, Schedule.of(way, way.parameters.coarse_to_fine))
     finally:
         way.x.arap.release()
-    return measured(problem, dense if way is problem else turned_round(way, dense), place.number)
+    return measured(problem, dense if way is problem else turned_round(problem, dense), place.number)
