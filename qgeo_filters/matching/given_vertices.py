@@ -100,13 +100,19 @@ def symmetry_on_given(found: Symmetry, x: PreparedShape) -> Symmetry:
 
 
 def _carried(found: MatchResult, x: PreparedShape, y: PreparedShape) -> tuple[IndexArray, IndexArray]:
-    """Nearest given vertex of the other shape for each, where the deformed wrap takes it: a wrap has few vertices."""
-    deformed = found.x.with_vertices(found.positions)
+    """Nearest given vertex of the other shape for each, where the deformed wrap takes it: a wrap has few vertices.
+
+    None where there is none on the wraps. Normals are those that look outwards, however the faces are written.
+    """
+    deformed = x.oriented.with_vertices(found.positions)
     normals = deformed.vertex_normals * (1.0 if found.orientation >= 0 else -1.0)
     here = _values(np.column_stack([found.positions, normals]), x.repair)
-    there = _values(np.column_stack([found.y.vertices, found.y.vertex_normals]), y.repair)
+    there = _values(np.column_stack([y.oriented.vertices, y.oriented.vertex_normals]), y.repair)
     there = np.column_stack([y.given.vertices, there[:, 3:]])
-    return _nearest(here, there, y), _nearest(there, here, y)
+    p2p, inverse = _nearest(here, there, y), _nearest(there, here, y)
+    p2p[_values(found.p2p, x.repair) < 0] = -1
+    inverse[_values(found.inverse, y.repair) < 0] = -1
+    return p2p, inverse
 
 
 def _nearest(places: np.ndarray, others: np.ndarray, on: PreparedShape) -> IndexArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from shapes import Mesh, bent, creature, icosphere, moebius
 import qgeo_filters as qg
 from qgeo_filters.evaluation import VtsDataset
 from qgeo_filters.hosts.dispatch import surface_and_repair
+from qgeo_filters.matching.given_vertices import match_on_given
 from qgeo_filters.matching.shape_arrays import arrays_of_shape, shape_of_arrays
 from qgeo_filters.matching.symmetry import self_symmetry
 
@@ -68,6 +70,23 @@ def test_what_is_refused_is_matched_as_a_wrap() -> None:
     errors = found.error(found.p2p)
     assert np.nanmax(errors) == 0  # on the wrap: between pieces of the soup there is no way
     assert np.isfinite(errors[known]).all()
+
+
+def test_what_has_no_partner_on_the_wraps_has_none() -> None:
+    x, y, _ = pair()
+    shapes = [qg.PreparedShape(mesh, repair="wrap") for mesh in (x, y)]
+    found = qg.match(shapes[0].full, shapes[1].full)
+    some = np.arange(found.x.n_vertices) % 3 == 0
+    part = match_on_given(replace(found, p2p=np.where(some, -1, found.p2p)), *shapes)
+    assert shapes[0].repair is not None
+    np.testing.assert_array_equal(part.p2p < 0, shapes[0].repair.map_back(np.where(some, -1, 0)) < 0)
+
+
+def test_the_other_shape_may_be_inside_out() -> None:
+    x, _, _ = pair()
+    vertices, faces = creature(level=3)
+    one, other = (qg.match(qg.wrap_surface(x), (vertices, f)) for f in (faces, faces[:, ::-1]))
+    np.testing.assert_array_equal(one.p2p, other.p2p)
 
 
 def test_a_wrap_of_another_size_stands_for_its_mesh() -> None:

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
 from qgeo_filters._typing import IndexArray, SingleArray
+from qgeo_filters.connectivity import vertex_components
 from qgeo_filters.matching.partial.coarse_maps import coarse_orientation
 from qgeo_filters.matching.partial.distance_bounds import mean_violation, profile_costs
 from qgeo_filters.matching.partial.part_choice import PartChoice, PlacedPart
@@ -48,9 +47,8 @@ def uncovered(y: PartShape, place: PlacedPart) -> list[npt.NDArray[np.bool_]]:
     given, found = y.given, place.map
     gaps = np.linalg.norm(y.vertices[found.p2p[found.back]] - y.vertices, axis=1)
     bare = gaps > max(given.uncovered_gap, given.uncovered_edges * y.surface.edge_lengths.mean())
-    a, b = y.surface.edges[bare[y.surface.edges].all(axis=1)].T
-    graph = sparse.coo_matrix((np.ones(len(a)), (a, b)), shape=(y.n_vertices, y.n_vertices))
-    label = connected_components(graph, directed=False)[1]
+    edges = y.surface.edges
+    _, label = vertex_components(edges[bare[edges].all(axis=1)], y.n_vertices)
     areas = np.bincount(label, y.areas * bare)
     largest = np.argsort(-areas, kind="stable")[: given.uncovered_parts]
     return [(label == k) & bare for k in largest if areas[k] > given.uncovered_area]
