@@ -295,8 +295,11 @@ class MatchingParameters(ShapeParameters):
     #: The same where one shape has handles that the other lacks: heat flows where surfaces have grown together (right
     #: maps of two children with a hand on the body .85, wrong ones .68 and less).
     grown_alike: float = 0.8
-    #: Margin from which on such a map is clear enough not to be sought among places where distances may be shorter.
+    #: Margin and agreement from which on such a map is clear enough not to be sought among places where distances may
+    #: be shorter (wrong maps of michael's merged poses have up to 3.3 and .86, right ones of two children 3 and .92, 13
+    #: and .87).
     grown_margin: float = 2.0
+    grown_clear: float = 0.9
     #: A finished map whose orientation is below this did not settle on one side (tuning).
     settled_orientation: float = 0.3
     #: Ratio of areas up to which shapes count as of one size, for ``normalize=False``.

@@ -13,10 +13,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from qgeo_filters._typing import SingleArray
 from qgeo_filters.matching.finish import turned_round
 from qgeo_filters.matching.initialization.limb_maps import LimbEnds
+from qgeo_filters.matching.partial.half_turns import turned_places
 from qgeo_filters.matching.partial.limb_moves import with_limbs_moved
-from qgeo_filters.matching.partial.part_choice import PlacedPart
+from qgeo_filters.matching.partial.part_choice import PartChoice, PlacedPart
 from qgeo_filters.matching.partial.partial_parameters import PartialParameters
 from qgeo_filters.matching.placement import Placement
 from qgeo_filters.matching.problem import MatchProblem
@@ -30,8 +32,8 @@ from qgeo_filters.matching.smooth_shells import register
 def robust_to_shortcuts(problem: MatchProblem, found: Found, given: PartialParameters | None = None) -> Found:
     """What was found, or a clearly better map by distances that may only be shorter on the shape with more handles.
 
-    Nothing is sought where both shapes have as many handles, or where what was found is clear as it is. Limbs of the
-    best place are moved to what it leaves uncovered, see `with_limbs_moved`.
+    Nothing is sought where both shapes have as many handles, or where what was found is clear as it is. The best places
+    are turned round, too, see `half_turns`, and limbs moved to what is left uncovered, see `with_limbs_moved`.
 
     Parameters
     ----------
@@ -53,21 +55,37 @@ def robust_to_shortcuts(problem: MatchProblem, found: Found, given: PartialParam
     usual, *others = placed
     # Costs are rough, and the usual search has compared its map with many: another one needs a reason.
     clear = [p for p in others if p.cost * chosen.shortcut_reason < usual.cost]
-    ends = LimbEnds.of(way.x, placement.mirror, way.parameters)
     cheapest = min(clear, key=lambda p: p.cost, default=usual)
-    best_place, moved = with_limbs_moved(placement.compared, ends.distances, cheapest)
-    choice = placement.compared.decided(best_place, [*placed, *moved])
+    to_ends = LimbEnds.of(way.x, placement.mirror, way.parameters).distances
+    best, tried = _mended(placement.compared, to_ends, cheapest, placed)
+    choice = placement.compared.decided(best, [*placed, *tried])
     margin, unhinted = choice.margin, choice.unhinted
     if choice.best is usual:
         kept = replace(before, margin=min(before.margin, margin), unhinted=min(before.unhinted, unhinted))
         return replace(found, decision=kept)
-    best = _contender(way, asked, choice.best)
-    return replace(found, decision=Decision(best, margin, choice.runner_up, unhinted))
+    contender = _contender(way, asked, choice.best)
+    return replace(found, decision=Decision(contender, margin, choice.runner_up, unhinted))
+
+
+def _mended(
+    compared: PartChoice, to_ends: SingleArray, cheapest: PlacedPart, placed: list[PlacedPart]
+) -> tuple[PlacedPart, list[PlacedPart]]:
+    """The cheapest place or one the other way up, limbs moved, and all that were tried."""
+    count = compared.given.turned
+    turned = turned_places(compared, compared.different(placed, count))
+    best, tried = with_limbs_moved(compared, to_ends, cheapest)
+    tried += turned
+    for start in compared.different(turned, count):
+        place, moved = with_limbs_moved(compared, to_ends, start)
+        tried += moved
+        if place.cost * compared.given.shortcut_reason < best.cost:
+            best = place
+    return best, tried
 
 
 def _is_clear(problem: MatchProblem, decision: Decision) -> bool:
     given = problem.parameters
-    return decision.margin >= given.grown_margin and decision.best.hks_agreement >= given.grown_alike
+    return decision.margin >= given.grown_margin and decision.best.hks_agreement >= given.grown_clear
 
 
 def _contender(way: MatchProblem, problem: MatchProblem, place: PlacedPart) -> Contender:

@@ -13,8 +13,10 @@ from qgeo_filters.matching.known_parts import KnownParts
 from qgeo_filters.matching.match_log import CHOSEN
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.partial.distance_bounds import distance_bounds
+from qgeo_filters.matching.partial.half_turns import half_turns
 from qgeo_filters.matching.partial.part_shape import PartShape
 from qgeo_filters.matching.partial.partial_parameters import PartialParameters
+from qgeo_filters.matching.placement import Placement
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.schedule import Schedule
 from qgeo_filters.matching.search import Found, chosen_map
@@ -74,6 +76,19 @@ def test_a_wrong_map_gives_way_to_the_right_one(with_handle: bool, axis: int) ->
 
 
 @pytest.mark.parametrize("with_handle", [True, False])
+def test_the_wrong_way_up_is_found_out_though_nothing_else_is_proposed(
+    with_handle: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = problem(with_handle)
+    clean = given.y if with_handle else given.x
+    turned = half_turns(clean.unit.vertices, clean.areas)[2]
+    monkeypatch.setattr(Placement, "proposed", lambda _: [])
+    better = robust_to_shortcuts(given, found(given, turned, 1.2))
+    assert error(given, turned) > 0.2
+    assert error(given, better.decision.best.dense.p2p) < 0.03
+
+
+@pytest.mark.parametrize("with_handle", [True, False])
 def test_a_right_map_stays_and_its_margin_can_only_shrink(with_handle: bool) -> None:
     given = problem(with_handle)
     right = found(given, np.arange(body().n_vertices), 1.5)
@@ -85,9 +100,11 @@ def test_a_right_map_stays_and_its_margin_can_only_shrink(with_handle: bool) -> 
 def test_nothing_is_sought_where_the_map_is_clear_or_the_shapes_have_as_many_handles() -> None:
     given = problem(True)
     seen = found(given, np.arange(body().n_vertices), given.parameters.grown_margin).decision
-    alike_enough = replace(seen.best, hks_agreement=given.parameters.grown_alike)
+    alike_enough = replace(seen.best, hks_agreement=given.parameters.grown_clear)
     clear = Found(replace(seen, best=alike_enough), False)
     assert robust_to_shortcuts(given, clear) is clear
+    below = replace(seen.best, hks_agreement=given.parameters.grown_clear - 0.01)
+    assert robust_to_shortcuts(given, Found(replace(seen, best=below), False)).decision is not seen
     alike = MatchProblem.of(body(), body())
     wrong = found(alike, turned_about(0), 1.0)
     assert robust_to_shortcuts(alike, wrong) is wrong
@@ -127,7 +144,8 @@ def test_the_search_keeps_to_the_hand_that_was_found() -> None:
 def test_what_hints_did_to_the_choice_is_known_of_places_too() -> None:
     end = int((body().vertices @ [0.0, -1.0, 0.3]).argmax())
     given = MatchProblem.of(body(), grown(), landmarks=[(end, end)])
-    better = robust_to_shortcuts(given, found(given, turned_about(2), 1.2))
+    # Turned places may agree with the landmark.
+    better = robust_to_shortcuts(given, found(given, turned_about(2), 1.2), PartialParameters(turned=0))
     assert error(given, better.decision.best.dense.p2p) < 0.03
     assert better.decision.unhinted < better.decision.margin  # its rivals contradict the landmark, which is right
 

@@ -11,8 +11,7 @@ import numpy.typing as npt
 
 from qgeo_filters._typing import IndexArray, SingleArray
 from qgeo_filters.connectivity import vertex_components
-from qgeo_filters.matching.partial.coarse_maps import coarse_orientation
-from qgeo_filters.matching.partial.distance_bounds import mean_violation, profile_costs
+from qgeo_filters.matching.partial.distance_bounds import profile_costs
 from qgeo_filters.matching.partial.part_choice import PartChoice, PlacedPart
 from qgeo_filters.matching.partial.part_shape import PartShape
 
@@ -30,10 +29,10 @@ def with_limbs_moved(choice: PartChoice, to_ends: SingleArray, best: PlacedPart)
     """
     tried: list[PlacedPart] = []
     for _ in range(choice.given.limb_moves):
-        maps = [images for area in uncovered(choice.y, best) for images in _moved(choice, to_ends, best, area)]
+        maps = [p2p for area in uncovered(choice.y, best) for p2p in _moved(choice, to_ends, best, area)]
         if not maps:
             break
-        placed = choice.placed([(_proposed(choice, images), choice.y.fps[images]) for images in maps])
+        placed = choice.placed([(choice.proposed(p2p, "a limb moved to what is not covered"), p2p) for p2p in maps])
         tried += placed
         cheapest = min(placed, key=lambda p: p.cost)
         if cheapest.cost >= best.cost:
@@ -55,7 +54,7 @@ def uncovered(y: PartShape, place: PlacedPart) -> list[npt.NDArray[np.bool_]]:
 
 
 def _moved(choice: PartChoice, to_ends: SingleArray, best: PlacedPart, area: npt.NDArray[np.bool_]) -> list[IndexArray]:
-    """For each limb the places among Y's points of all points, with that limb's near an area, (s,)."""
+    """For each limb the images (s,) of X's points, with that limb's near an area."""
     y, mapper, given = choice.y, choice.mapper, choice.given
     points = choice.x.fps[: mapper.count]
     near = np.flatnonzero(y.rows[:, area].min(axis=1) < given.uncovered_reach)
@@ -81,14 +80,5 @@ def _moved(choice: PartChoice, to_ends: SingleArray, best: PlacedPart, area: npt
             )
             images[limb] = near[(costs + mapper.alone[limb])[:, near].argmin(axis=1)]
             some = np.arange(len(points))
-        found.append(images)
+        found.append(y.fps[images])
     return found
-
-
-def _proposed(choice: PartChoice, images: IndexArray) -> int:
-    """Its number in the log."""
-    mapper, given = choice.mapper, choice.given
-    there = mapper.between[np.ix_(images, images)]
-    distortion = mean_violation(mapper.least, mapper.most, there, given.within_bounds, given.pair_cap)
-    orientation = coarse_orientation(choice.x, choice.y, choice.y.fps[images])
-    return choice.log.propose("a limb moved to what is not covered", distortion, orientation)

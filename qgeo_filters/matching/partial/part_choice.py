@@ -10,7 +10,7 @@ from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.matching.known_parts import KnownParts
 from qgeo_filters.matching.maps.orientation import orientation
 from qgeo_filters.matching.match_log import MatchLog
-from qgeo_filters.matching.partial.coarse_maps import CoarseMap, CoarseMapper
+from qgeo_filters.matching.partial.coarse_maps import CoarseMap, CoarseMapper, coarse_orientation
 from qgeo_filters.matching.partial.distance_bounds import mean_violation
 from qgeo_filters.matching.partial.landmark_search import landmark_maps
 from qgeo_filters.matching.partial.local_descriptors import ball_agreement, descriptor_costs
@@ -154,6 +154,22 @@ class PartChoice:
             else:
                 kept.append((number, c))
         return kept
+
+    def proposed(self, p2p: IndexArray, source: str) -> int:
+        """Number in the log of a map (s,) of X's first farthest points that comes from elsewhere."""
+        place = self.y.rows[:, p2p].argmin(axis=0)
+        mapper, given = self.mapper, self.given
+        there = mapper.between[np.ix_(place, place)]
+        distortion = mean_violation(mapper.least, mapper.most, there, given.within_bounds, given.pair_cap)
+        return self.log.propose(source, distortion, coarse_orientation(self.x, self.y, p2p))
+
+    def different(self, places: list[PlacedPart], count: int) -> list[PlacedPart]:
+        """The cheapest so many that are different from each other."""
+        kept: list[PlacedPart] = []
+        for place in sorted(places, key=lambda p: p.cost):
+            if all(images_apart(self.y, place.map.p2p, k.map.p2p) > self.given.apart for k in kept):
+                kept.append(place)
+        return kept[:count]
 
     def placed(self, maps: list[tuple[int, IndexArray]]) -> list[PlacedPart]:
         """Maps of X's first farthest points, registered, with what each costs; in order.

@@ -110,6 +110,8 @@ class PartialParameters:
     uncovered_reach: float = 0.08
     limb_reach: float = 0.5
     limb_moves: int = 3
+    #: Places that are turned by half a turn, the cheapest, and of those turned as many whose limbs are moved.
+    turned: int = 2
 
     # -- size ------------------------------------------------------------------------------------------------
     #: Sizes of a part that are tried where sizes do not count.
