@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import typing
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -59,6 +60,20 @@ def test_a_word_has_one_default(word: str) -> None:
         if parameter is not None and default_of(parameter) is not inspect.Parameter.empty:
             found[default_of(parameter)].append(name)
     assert len(found) <= 1, dict(found)
+
+
+def test_overloads_show_the_defaults_that_hold() -> None:
+    """Editors show the signatures of overloads, not the one that runs."""
+    seen = set()
+    for name, door in doors():
+        holds = inspect.signature(door).parameters
+        for overload in typing.get_overloads(inspect.unwrap(door)):
+            seen.add(name)
+            shown = inspect.signature(overload).parameters
+            assert list(shown) == list(holds), name
+            for key, parameter in shown.items():
+                assert parameter.default in (holds[key].default, inspect.Parameter.empty), (name, key)
+    assert "match" in seen
 
 
 def test_commands_and_widgets_take_the_shared_defaults() -> None:
