@@ -11,21 +11,21 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters import connectivity
-from qgeo_filters._typing import FloatArray, IndexArray, IntArray, RepairOption
-from qgeo_filters.errors import DisconnectedError, MeshError, NonManifoldError, ParameterError
+from qgeo_filters._typing import FloatArray, IndexArray, RepairOption
+from qgeo_filters.errors import DisconnectedError, MeshError, ParameterError
 from qgeo_filters.html_repr import card, shown
 from qgeo_filters.io.formats import path_in_errors, read_raw, write_raw
 from qgeo_filters.io.raw_mesh import RawMesh
+from qgeo_filters.mesh_connectivity import MeshConnectivity
 from qgeo_filters.repair.sound import sound_mesh
 from qgeo_filters.repair.triangle_soup import MOST_AREA_LOST, most_lost, repaired_mesh
 from qgeo_filters.repair.welding import not_welded, welded
 from qgeo_filters.repair.winding import Winding, winding
 from qgeo_filters.triangle_geometry import face_crosses, unit_normals
-from qgeo_filters.validation import checked_attributes, checked_faces, checked_repair, checked_vertices, frozen, listed
+from qgeo_filters.validation import checked_attributes, checked_faces, checked_repair, checked_vertices, listed, owned
 
 
-class Surface:
+class Surface(MeshConnectivity):
     """A triangle mesh whose arrays are known to be good.
 
     Parameters
@@ -65,8 +65,6 @@ class Surface:
     qgeo_filters.errors.MeshError: faces[0] refers to vertex 7, but there are 4 vertices, numbered from 0 (1 ...
     """
 
-    vertices: FloatArray
-    faces: IntArray
     attributes: Mapping[str, np.ndarray]
 
     def __init__(
@@ -75,10 +73,10 @@ class Surface:
         faces: npt.ArrayLike,
         attributes: Mapping[str, npt.ArrayLike] | None = None,
     ) -> None:
-        checked = _kept(checked_vertices(vertices))
+        checked = owned(checked_vertices(vertices))
         self.__dict__.update(
             vertices=checked,
-            faces=_kept(checked_faces(faces, len(checked))),
+            faces=owned(checked_faces(faces, len(checked))),
             attributes=checked_attributes(attributes or {}, len(checked)),
         )
 
@@ -184,34 +182,22 @@ class Surface:
         area = np.bincount(labels, weights=self.vertex_areas)
         return self.submesh(labels == area.argmax())
 
-    # -- sizes --------------------------------------------------------------------------------------
-
-    @property
-    def n_vertices(self) -> int:
-        """Number of vertices, those without faces included."""
-        return len(self.vertices)
-
-    @property
-    def n_faces(self) -> int:
-        """Number of triangles."""
-        return len(self.faces)
-
     # -- metric quantities --------------------------------------------------------------------------
 
     @cached_property
     def edge_lengths(self) -> FloatArray:
         """Length of each edge, shape (E,), in the unit of the vertices."""
         a, b = self.edges.T
-        return _kept(np.linalg.norm(self.vertices[a] - self.vertices[b], axis=1))
+        return owned(np.linalg.norm(self.vertices[a] - self.vertices[b], axis=1))
 
     @cached_property
     def _face_crosses(self) -> FloatArray:
-        return _kept(face_crosses(self.vertices, self.faces))
+        return owned(face_crosses(self.vertices, self.faces))
 
     @cached_property
     def face_areas(self) -> FloatArray:
         """Area of each triangle, shape (m,)."""
-        return _kept(0.5 * np.linalg.norm(self._face_crosses, axis=1))
+        return owned(0.5 * np.linalg.norm(self._face_crosses, axis=1))
 
     @cached_property
     def area(self) -> float:
@@ -221,12 +207,12 @@ class Surface:
     @cached_property
     def vertex_areas(self) -> FloatArray:
         """Barycentric area of each vertex (a third of its triangles), shape (n,); they sum to `area`."""
-        return _kept(np.bincount(self.faces.ravel(), np.repeat(self.face_areas / 3, 3), minlength=self.n_vertices))
+        return owned(np.bincount(self.faces.ravel(), np.repeat(self.face_areas / 3, 3), minlength=self.n_vertices))
 
     @cached_property
     def face_normals(self) -> FloatArray:
         """Unit normal of each triangle, shape (m, 3); zero where the triangle has no area."""
-        return _kept(unit_normals(self._face_crosses))
+        return owned(unit_normals(self._face_crosses))
 
     @cached_property
     def corner_angles(self) -> FloatArray:
@@ -238,7 +224,7 @@ class Surface:
         cross = np.sqrt((b * w - c * v) ** 2 + (c * u - a * w) ** 2 + (a * v - b * u) ** 2)
         # atan2 keeps full precision near 0 and pi, where arccos loses half of the digits.
         angles = np.ascontiguousarray(np.arctan2(cross, a * u + b * v + c * w).T)
-        return _kept(angles)
+        return owned(angles)
 
     @cached_property
     def vertex_normals(self) -> FloatArray:
@@ -249,80 +235,9 @@ class Surface:
         )
         length = np.linalg.norm(total, axis=1, keepdims=True)
         # At the seam of a one-sided surface opposite normals cancel up to rounding, which has no direction.
-        return _kept(np.divide(total, length, out=np.zeros_like(total), where=length > 1e-12))
+        return owned(np.divide(total, length, out=np.zeros_like(total), where=length > 1e-12))
 
-    # -- connectivity -------------------------------------------------------------------------------
-
-    @cached_property
-    def _edge_table(self) -> tuple[IntArray, IntArray, npt.NDArray[np.int64]]:
-        edges, face_edges, counts = connectivity.unique_edges(self.faces)
-        return _kept(edges), _kept(face_edges), _kept(counts)
-
-    @property
-    def edges(self) -> IntArray:
-        """Undirected edges, shape (E, 2), smaller vertex first."""
-        return self._edge_table[0]
-
-    @property
-    def face_edges(self) -> IntArray:
-        """Edge of each half-edge, shape (m, 3); half-edge k runs from corner k to corner k + 1."""
-        return self._edge_table[1]
-
-    @cached_property
-    def twins(self) -> IntArray:
-        """Half-edge across each half-edge as ``3 f + k``, shape (m, 3); -1 on the boundary."""
-        return _kept(connectivity.halfedge_twins(self.faces, self.face_edges, len(self.edges)))
-
-    @cached_property
-    def components(self) -> tuple[int, IntArray]:
-        """Number of pieces and the piece of each vertex; a vertex without faces counts as one."""
-        count, labels = connectivity.vertex_components(self.edges, self.n_vertices)
-        return count, _kept(labels)
-
-    @cached_property
-    def unreferenced_vertices(self) -> npt.NDArray[np.int64]:
-        """Vertices that no face names."""
-        return _kept(np.flatnonzero(np.bincount(self.faces.ravel(), minlength=self.n_vertices) == 0))
-
-    @cached_property
-    def boundary_edges(self) -> npt.NDArray[np.int64]:
-        """Indices of the edges with one face."""
-        return _kept(np.flatnonzero(self._edge_table[2] == 1))
-
-    @property
-    def boundary_vertices(self) -> IntArray:
-        """Vertices on the boundary, in increasing order."""
-        return np.unique(self.edges[self.boundary_edges])
-
-    @cached_property
-    def boundary_loops(self) -> tuple[IntArray, ...]:
-        """Boundary curves as vertex chains, longest first."""
-        return tuple(_kept(loop) for loop in connectivity.boundary_loops(self.edges[self.boundary_edges]))
-
-    @property
-    def is_closed(self) -> bool:
-        """Whether no edge has fewer than two faces."""
-        return self.boundary_edges.size == 0
-
-    @cached_property
-    def nonmanifold_edges(self) -> npt.NDArray[np.int64]:
-        """Indices of the edges with three faces or more."""
-        return _kept(np.flatnonzero(self._edge_table[2] > 2))
-
-    @cached_property
-    def nonmanifold_vertices(self) -> npt.NDArray[np.int64]:
-        """Vertices whose faces form more than one fan."""
-        return _kept(connectivity.nonmanifold_vertices(self.faces, self.twins, self.n_vertices))
-
-    @property
-    def is_manifold(self) -> bool:
-        """Whether every edge has at most two faces and every vertex one fan of faces."""
-        return self.nonmanifold_edges.size == 0 and self.nonmanifold_vertices.size == 0
-
-    @cached_property
-    def is_oriented(self) -> bool:
-        """Whether neighbouring faces agree on which side is out."""
-        return connectivity.flipped_edges(self.faces, self.twins).size == 0
+    # -- sides and seams ----------------------------------------------------------------------------
 
     @cached_property
     def winding(self) -> Winding:
@@ -333,42 +248,11 @@ class Surface:
     def unwelded_vertices(self) -> IndexArray:
         """Boundary vertices that lie where others do, along edges of both: what ``repair=True`` joins with those."""
         if self.is_closed:
-            return _kept(np.empty(0, dtype=np.int64))
+            return owned(np.empty(0, dtype=np.int64))
         joined, _ = welded(self.vertices, self.faces)
-        return _kept(np.flatnonzero(joined != np.arange(self.n_vertices)))
-
-    @property
-    def euler_characteristic(self) -> int:
-        """V - E + F over the vertices that have faces."""
-        return self.n_vertices - self.unreferenced_vertices.size - len(self.edges) + self.n_faces
-
-    @property
-    def genus(self) -> int | None:
-        """Handles, summed over the pieces, boundary loops capped; None for what is no oriented surface."""
-        if not (self.is_manifold and self.is_oriented):
-            return None
-        pieces = self.components[0] - self.unreferenced_vertices.size
-        return (2 * pieces - self.euler_characteristic - len(self.boundary_loops)) // 2
+        return owned(np.flatnonzero(joined != np.arange(self.n_vertices)))
 
     # -- requirements -------------------------------------------------------------------------------
-
-    def require_manifold(self, purpose: str) -> None:
-        """Raise `NonManifoldError`, naming the first offending edge or vertex, unless manifold."""
-        bad = self.nonmanifold_edges
-        if bad.size:
-            a, b = self.edges[bad[0]].tolist()
-            count = int(self._edge_table[2][bad[0]])
-            raise NonManifoldError(
-                f"{purpose} needs a manifold mesh, but edge ({a}, {b}) has {count} faces "
-                f"({bad.size} such {'edge' if bad.size == 1 else 'edges'}); repair=True splits or removes them"
-            )
-        bad = self.nonmanifold_vertices
-        if bad.size:
-            raise NonManifoldError(
-                f"{purpose} needs a manifold mesh, but the faces at vertex {bad[0]} form more than one fan "
-                f"({bad.size} such {'vertex' if bad.size == 1 else 'vertices'}: {listed(bad)}); "
-                "repair=True splits them"
-            )
 
     def require_connected(self, purpose: str) -> None:
         """Raise `DisconnectedError`, with the sizes of the pieces, unless all vertices are connected."""
@@ -385,8 +269,3 @@ class Surface:
             f"{purpose} needs a mesh in one piece, but there are {count} pieces of {listed(sizes)} vertices{without}; "
             + (not_welded(double) if double else f"take surface.largest_component()[0], or repair={option}")
         )
-
-
-def _kept(array: np.ndarray) -> np.ndarray:
-    """Read-only array of its own memory, so that nothing else can write there."""
-    return frozen(array if array.base is None else array.copy())

@@ -19,6 +19,11 @@ def frozen(array: np.ndarray) -> np.ndarray:
     return array.view()  # NumPy lets only the owner of the memory be made writeable again
 
 
+def owned(array: np.ndarray) -> np.ndarray:
+    """Read-only array of its own memory, so that nothing else can write there."""
+    return frozen(array if array.base is None else array.copy())
+
+
 def listed(indices: npt.ArrayLike, limit: int = 5) -> str:
     """First few indices for an error message."""
     values = np.atleast_1d(np.asarray(indices)).tolist()

@@ -34,6 +34,7 @@ FLOORS: list[list[str]] = [
         "html_repr",
         "jit",
         "memory",
+        "mesh_connectivity",
         "missing_values",
         "nested_dissection",
         "parallel",
