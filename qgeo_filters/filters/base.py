@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 
 from qgeo_filters._deprecation import renamed_parameters
-from qgeo_filters._typing import FloatArray, RepairOption
+from qgeo_filters._typing import RepairOption
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.caching import cache
 from qgeo_filters.errors import MeshError, ParameterError, reason
 from qgeo_filters.filters import yaml_text
+from qgeo_filters.filters.changes import Changes
+from qgeo_filters.filters.composition import Composition, single_steps
 from qgeo_filters.filters.estimator import Estimator
 from qgeo_filters.filters.registry import filter_by_name
 from qgeo_filters.filters.repaired import (
@@ -25,7 +26,7 @@ from qgeo_filters.filters.repaired import (
     repaired_values,
     repaired_vertices,
 )
-from qgeo_filters.hosts.dispatch import as_surface, is_host_mesh, repaired_by, with_positions, write_back
+from qgeo_filters.hosts.dispatch import as_surface, is_host_mesh, repaired_by, write_back
 from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.parallel import default_workers
 from qgeo_filters.surface import Surface
@@ -125,11 +126,11 @@ class Filter(Estimator):
         with cache.held(), default_workers(workers):
             if not checked_repair(repair):
                 surface = as_surface(mesh)
-                return _changed(mesh, surface, _changes(surface, self.apply(surface, progress)))
+                return Changes.between(surface, self.apply(surface, progress)).made_on(mesh, surface)
             if repair == "auto":
                 back = self._mended(mesh, progress)
                 if self.repair_ is None:
-                    return _changed(mesh, as_surface(mesh), back)
+                    return back.made_on(mesh, as_surface(mesh))
             else:
                 back = self._on(repaired_by(mesh, repair), progress)
         return self._written(mesh, back)
@@ -140,7 +141,7 @@ class Filter(Estimator):
         try:
             surface = as_surface(mesh)
             if self.pointwise or not surface.unwelded_vertices.size:
-                return _changes(surface, self.apply(surface, progress))
+                return Changes.between(surface, self.apply(surface, progress))
         except MeshError as error:
             refusal = error
         return least_repair(mesh, lambda repair: self._on(repair, progress), refusal)
@@ -148,8 +149,8 @@ class Filter(Estimator):
     def _on(self, repair: Repair, progress: bool) -> Changes:
         """What the filter does to the repaired mesh, on the original vertices; one that is gone stays where it is."""
         self.repair_ = repair
-        with parameters_on(repair, _steps_of(self)):
-            made = _changes(repair.surface, self.apply(repair.surface, progress))
+        with parameters_on(repair, single_steps(self)):
+            made = Changes.between(repair.surface, self.apply(repair.surface, progress))
         added = {name: carried_back(repair, v, name in self.index_outputs) for name, v in made.added.items()}
         return Changes(added, None if made.shift is None else np.nan_to_num(repair.map_back(made.shift)))
 
@@ -161,21 +162,21 @@ class Filter(Estimator):
     def _written(self, mesh: Any, back: Changes) -> Any:
         assert self.repair_ is not None
         try:
-            return _changed(mesh, as_surface(mesh), back)
+            return back.made_on(mesh, as_surface(mesh))
         except MeshError:
             if is_host_mesh(mesh) and back.shift is None:
                 return write_back(mesh, None, back.added)
-            return _changed(self.repair_.given, self.repair_.given, back)
+            return back.made_on(self.repair_.given, self.repair_.given)
 
     # -- composition --------------------------------------------------------------------------------
 
     def __or__(self, other: Filter) -> Pipeline:
         if not isinstance(other, Filter):
             return NotImplemented
-        return Pipeline([*_steps_of(self), *_steps_of(other)])
+        return Pipeline([*single_steps(self), *single_steps(other)])
 
 
-class Pipeline(Filter):
+class Pipeline(Composition[Filter], Filter):
     """Filters applied one after the other, each seeing the attributes of those before it.
 
     Parameters
@@ -201,9 +202,6 @@ class Pipeline(Filter):
     >>> print(pipe)
     DifferentialCoordinates(weights='uniform') | SurfaceScalar(scalar='mean_curvature', clip=None, smoothing=0.0)
     """
-
-    def __init__(self, steps: Sequence[Filter] = ()) -> None:
-        self.steps = steps
 
     @property
     def outputs(self) -> Mapping[str, str]:  # type: ignore[override]
@@ -231,63 +229,6 @@ class Pipeline(Filter):
             surface = step.apply(surface, progress)
         return surface
 
-    def clone(self) -> Pipeline:
-        """New pipeline of cloned steps."""
-        return Pipeline([step.clone() for step in self.steps])
-
-    @property
-    def named_steps(self) -> dict[str, Filter]:
-        """The steps by class name; several of one class are numbered from 1, ``Paint-1`` and ``Paint-2``."""
-        names = [type(step).__name__ for step in self.steps]
-        numbered = [
-            f"{name}-{names[: k + 1].count(name)}" if names.count(name) > 1 else name for k, name in enumerate(names)
-        ]
-        return dict(zip(numbered, self.steps, strict=True))
-
-    def get_params(self, deep: bool = True) -> dict[str, Any]:
-        """The steps; with ``deep`` also each by its name, and their parameters as ``ClassName__parameter``."""
-        params: dict[str, Any] = {"steps": self.steps}
-        for name, step in self.named_steps.items() if deep else ():
-            params[name] = step
-            params |= {f"{name}__{key}": value for key, value in step.get_params().items()}
-        return params
-
-    def set_params(self, **params: Any) -> Pipeline:
-        """The pipeline with its steps, one of them, or some of their arguments replaced, in place.
-
-        Raises
-        ------
-        ParameterError
-            No such step, or no such argument of it.
-        """
-        if "steps" in params:
-            self.steps = params["steps"]
-        whole = {name: value for name, value in params.items() if name != "steps" and "__" not in name}
-        for name, step in whole.items():
-            self._require_step(name)
-            self.steps = [step if known == name else other for known, other in self.named_steps.items()]
-        for name, value in params.items():
-            step_name, inner, key = name.partition("__")
-            if inner:
-                self._require_step(step_name).set_params(**{key: value})
-        return self
-
-    def _require_step(self, name: str) -> Filter:
-        if name not in self.named_steps:
-            raise ParameterError(f"Pipeline has no step {name!r}; it has {', '.join(self.named_steps) or 'none'}")
-        return self.named_steps[name]
-
-    def __len__(self) -> int:
-        return len(self.steps)
-
-    def __getitem__(self, key: int | str) -> Filter:
-        if isinstance(key, int):
-            return self.steps[key]
-        for step in _steps_of(self):
-            if type(step).__name__ == key:
-                return step
-        raise KeyError(f"no step {key!r}; the steps are {', '.join(type(step).__name__ for step in _steps_of(self))}")
-
     def __repr__(self) -> str:
         return " | ".join(map(repr, self.steps)) if len(self.steps) > 1 else f"Pipeline({list(self.steps)!r})"
 
@@ -301,7 +242,7 @@ class Pipeline(Filter):
         ParameterError
             For a parameter that text cannot hold (an array, a function, a mesh): its name is given.
         """
-        return yaml_text.to_yaml((type(step).__name__, step.get_params()) for step in _steps_of(self))
+        return yaml_text.to_yaml((type(step).__name__, step.get_params()) for step in self.single_steps)
 
     @classmethod
     def from_yaml(cls, text: str) -> Pipeline:
@@ -332,31 +273,3 @@ class Pipeline(Filter):
             return cls.from_yaml(Path(path).read_text(encoding="utf-8-sig"))
         except (ParameterError, UnicodeDecodeError) as error:
             raise ParameterError(f"{os.fspath(path)}: {reason(error)}") from error
-
-
-def _steps_of(filter: Filter) -> list[Filter]:
-    """The filters of a pipeline in order, those of pipelines within it too."""
-    if not isinstance(filter, Pipeline):
-        return [filter]
-    return [inner for step in filter.steps for inner in _steps_of(step)]
-
-
-@dataclass(frozen=True, eq=False)
-class Changes:
-    """What a filter does to a surface: attributes, new or replaced, and how far each vertex is moved, if at all."""
-
-    added: dict[str, np.ndarray]
-    shift: FloatArray | None
-
-
-def _changes(before: Surface, after: Surface) -> Changes:
-    added = {name: values for name, values in after.attributes.items() if before.attributes.get(name) is not values}
-    return Changes(added, None if after.vertices is before.vertices else after.vertices - before.vertices)
-
-
-def _changed(mesh: Any, surface: Surface, changes: Changes) -> Any:
-    """The mesh of any host, with ``as_surface(mesh)`` given, after the changes."""
-    if changes.shift is not None:
-        surface = surface.with_vertices(surface.vertices + changes.shift)
-        mesh = with_positions(mesh, surface.vertices)
-    return write_back(mesh, surface, changes.added)
