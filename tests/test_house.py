@@ -59,7 +59,7 @@ FLOORS: list[list[str]] = [
     # matching, in the order of a run
     ["matching.registration_stages", "matching.shape_parameters"],
     ["matching.parameters", "matching.match_log", "matching.hints"],
-    ["matching.level", "matching.fine_shape", "matching.intrinsic_shape"],
+    ["matching.level", "matching.fine_shape", "matching.intrinsic_shape", "matching.matchable"],
     ["matching.prepared_shape"],
     ["matching.known_parts"],
     ["matching.problem"],

@@ -12,7 +12,7 @@ from qgeo_filters.cli.in_turn import Batch
 from qgeo_filters.cli.job import Job
 from qgeo_filters.filters import stages
 from qgeo_filters.matching.compatibility import SPARE_EIGENPAIRS, are_one_mesh, check_baselines
-from qgeo_filters.matching.prepared_shape import check_matchable
+from qgeo_filters.matching.matchable import check_matchable
 from qgeo_filters.parallel import default_workers
 from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface

@@ -107,8 +107,8 @@ def match(
     from qgeo_filters.io.hint_files import read_hints
     from qgeo_filters.matching import hints as known
     from qgeo_filters.matching.map_files import arrays_of
+    from qgeo_filters.matching.matchable import check_same_size
     from qgeo_filters.matching.partial.partial_match import matched_as_part
-    from qgeo_filters.matching.prepared_shape import check_same_size
 
     mend = repair_option(repair, force, wrap)
     as_part: PartialOption = "auto" if partial is None else partial

@@ -86,7 +86,7 @@ def symmetry(
         symmetry_results,
     )
     from qgeo_filters.filters import stages
-    from qgeo_filters.matching.prepared_shape import check_matchable
+    from qgeo_filters.matching.matchable import check_matchable
     from qgeo_filters.spectral.distance_spectrum import is_represented
 
     mend = repair_option(repair, force, wrap)

@@ -23,9 +23,10 @@ from qgeo_filters.hosts.repair import needs_repair
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.hints import Hints, LabelPair, LandmarkPairs
 from qgeo_filters.matching.match_result import MatchResult
+from qgeo_filters.matching.matchable import check_same_size
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.partial.partial_match import matched_as_part, may_be_part
-from qgeo_filters.matching.prepared_shape import PreparedShape, check_same_size
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.search import checked_mirror
 from qgeo_filters.matching.symmetry import self_symmetry
 from qgeo_filters.matching.symmetry_result import Symmetry

@@ -20,9 +20,10 @@ from qgeo_filters.matching.maps.orientation import orientation
 from qgeo_filters.matching.maps.point_distortion import point_distortions
 from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.match_result import MatchResult
+from qgeo_filters.matching.matchable import check_same_size
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.partial.partial_match import better_as_part, matched_as_part, partial_match
-from qgeo_filters.matching.prepared_shape import Shape, check_same_size
+from qgeo_filters.matching.prepared_shape import Shape
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.regions import eigenfunction_regions
 from qgeo_filters.matching.search import Found, checked_mirror, chosen_map

@@ -14,14 +14,15 @@ from scipy import sparse
 from qgeo_filters._deprecation import renamed_parameters
 from qgeo_filters._typing import FloatArray, IndexArray, RepairOption, SingleArray
 from qgeo_filters.decimation import Proxy, decimated
-from qgeo_filters.errors import MeshError, ParameterError
+from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.metric import LiftedMetric
 from qgeo_filters.hosts.dispatch import SurfaceLike, surface_and_repair
 from qgeo_filters.matching.fine_shape import FineShape
 from qgeo_filters.matching.intrinsic_shape import IntrinsicShape, MetricEmbedding
 from qgeo_filters.matching.level import Level, reflected
+from qgeo_filters.matching.matchable import check_matchable
 from qgeo_filters.matching.parameters import MatchingParameters
-from qgeo_filters.spectral.spectrum import Spectrum, check_areas
+from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
 
@@ -282,33 +283,3 @@ def _matrix(proxy: Proxy) -> sparse.csr_array:
     found = sparse.csr_array(entries, shape=(n, proxy.surface.n_vertices))
     found.eliminate_zeros()
     return found
-
-
-def check_matchable(surface: Surface, parameters: MatchingParameters | None = None, *, repaired: bool = False) -> None:
-    """Raise `MeshError`, saying why, for a surface that cannot be matched."""
-    surface.require_manifold("matching")
-    surface.require_connected("matching")
-    if not surface.is_oriented and repaired:
-        raise MeshError(
-            "matching tells a shape from its mirror image by the side of the surface that is out, but it is one-sided "
-            f"(as a Moebius band, or a scan with wrong bridges; Euler characteristic {surface.euler_characteristic}), "
-            "which no turning of faces mends: repair='wrap' takes a closed surface around it"
-        )
-    if not surface.is_oriented:
-        raise MeshError(
-            "matching tells a shape from its mirror image by the orientation of its faces, but neighbouring faces "
-            "disagree; repair=True turns them, unless the surface is one-sided"
-        )
-    check_areas(surface.vertex_areas)
-    least = (parameters or MatchingParameters()).minimum_vertices
-    if surface.n_vertices < least:
-        raise MeshError(f"matching needs at least {least} vertices, got {surface.n_vertices}")
-
-
-def check_same_size(x: Surface, y: Surface, ratio: float = MatchingParameters.same_area) -> None:
-    """Raise `ParameterError` for shapes whose areas differ by more than this ratio."""
-    if not 1 / ratio <= x.area / y.area <= ratio:
-        raise ParameterError(
-            f"the areas of X and Y are {x.area:.6g} and {y.area:.6g}: shapes of different size are compared with "
-            "normalize=True"
-        )
