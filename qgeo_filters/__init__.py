@@ -64,7 +64,7 @@ if TYPE_CHECKING:  # the same names for type checkers and IDEs, which run nothin
     from .geodesics.metric import LiftedMetric as LiftedMetric
     from .geodesics.metric import lifted_metric as lifted_metric
     from .geodesics.operator import DistanceOperator as DistanceOperator
-    from .geodesics.path.paths import GeodesicPath as GeodesicPath
+    from .geodesics.path.geodesic_path import GeodesicPath as GeodesicPath
     from .geodesics.path.paths import quasi_geodesic as quasi_geodesic
     from .geodesics.path.paths import quasi_geodesics as quasi_geodesics
     from .geodesics.solver import GeodesicSolver as GeodesicSolver
@@ -145,7 +145,7 @@ _HOME = {
     "distance_matrix": "geodesics.matrix",
     "quasi_geodesic": "geodesics.path.paths",
     "quasi_geodesics": "geodesics.path.paths",
-    "GeodesicPath": "geodesics.path.paths",
+    "GeodesicPath": "geodesics.path.geodesic_path",
     "DistanceOperator": "geodesics.operator",
     "distance_spectrum": "spectral.distance_spectrum",
     "landmark_spectrum": "spectral.landmarks",

@@ -83,7 +83,7 @@ def test_mypy_sees_the_types_of_the_public_face(tmp_path: Path) -> None:
     expected = {
         "match": "-> qgeo_filters.matching.match_result.MatchResult",
         "self_symmetry": "-> qgeo_filters.matching.symmetry_result.Symmetry",
-        "quasi_geodesic": "-> qgeo_filters.geodesics.path.paths.GeodesicPath",
+        "quasi_geodesic": "-> qgeo_filters.geodesics.path.geodesic_path.GeodesicPath",
         "QuasiGeodesicSpectrum": "-> qgeo_filters.filters.spectral.QuasiGeodesicSpectrum",
     }
     lines = [f"reveal_type(qg.{name})" for name in expected]

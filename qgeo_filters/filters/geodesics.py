@@ -15,7 +15,8 @@ from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.registry import registered
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric
-from qgeo_filters.geodesics.path.paths import GeodesicPath, quasi_geodesic
+from qgeo_filters.geodesics.path.geodesic_path import GeodesicPath
+from qgeo_filters.geodesics.path.paths import quasi_geodesic
 from qgeo_filters.surface import Surface
 
 PathMethod = Literal["exact", "edges"]

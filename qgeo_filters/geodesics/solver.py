@@ -16,7 +16,8 @@ from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.geodesics.distance_solver import DistanceSolver, all_distances, distances_from
 from qgeo_filters.geodesics.methods import method_named
 from qgeo_filters.geodesics.metric import Metric, metric_for
-from qgeo_filters.geodesics.path.paths import GeodesicPath, PathFinder
+from qgeo_filters.geodesics.path.geodesic_path import GeodesicPath
+from qgeo_filters.geodesics.path.paths import PathFinder
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
 from qgeo_filters.memory import require_memory
 from qgeo_filters.parallel import worker_count

@@ -21,7 +21,7 @@ from qgeo_filters.report.panels import STYLE, Panel, draw_panel, new_figure
 from qgeo_filters.report.view import View, best_view
 
 if TYPE_CHECKING:
-    from qgeo_filters.geodesics.path.paths import GeodesicPath
+    from qgeo_filters.geodesics.path.geodesic_path import GeodesicPath
 
 _ROWS = 700  # as many as the picture has pixels
 

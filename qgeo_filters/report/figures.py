@@ -30,7 +30,7 @@ from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_index
 
 if TYPE_CHECKING:
-    from qgeo_filters.geodesics.path.paths import GeodesicPath
+    from qgeo_filters.geodesics.path.geodesic_path import GeodesicPath
     from qgeo_filters.spectral.spectrum import Spectrum
 
 __all__ = [

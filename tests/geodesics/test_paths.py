@@ -13,7 +13,8 @@ from qgeo_filters import Surface
 from qgeo_filters.errors import DisconnectedError, MeshError, NonManifoldError
 from qgeo_filters.geodesics.metric import LiftedMetric, cartesian_metric
 from qgeo_filters.geodesics.mmp.exact import exact_distances
-from qgeo_filters.geodesics.path.paths import GeodesicPath, quasi_geodesic, quasi_geodesics
+from qgeo_filters.geodesics.path.geodesic_path import GeodesicPath
+from qgeo_filters.geodesics.path.paths import quasi_geodesic, quasi_geodesics
 from qgeo_filters.geodesics.unfolding import vertex_angles
 
 ROUNDING = 1e-12

@@ -15,7 +15,7 @@ import traitlets
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar, surface_scalar
 from qgeo_filters.geodesics.matrix import distances
-from qgeo_filters.geodesics.path.paths import GeodesicPath
+from qgeo_filters.geodesics.path.geodesic_path import GeodesicPath
 from qgeo_filters.validation import checked_index
 from qgeo_widgets import chart, controls
 from qgeo_widgets.base import ShapeWidget, chosen

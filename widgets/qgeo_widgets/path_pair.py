@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from qgeo_filters.geodesics.metric import LiftedMetric
-from qgeo_filters.geodesics.path.paths import GeodesicPath, PathFinder
+from qgeo_filters.geodesics.path.geodesic_path import GeodesicPath
+from qgeo_filters.geodesics.path.paths import PathFinder
 
 _TOLERANCE = 1e-6  # radians, as in `quasi_geodesic`
 
