@@ -12,9 +12,8 @@ from qgeo_filters.io.landmarks import Landmarks
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.report.colors import MISSING
 from qgeo_filters.report.curves import plot_histogram
-from qgeo_filters.report.figures import plot_correspondence
 from qgeo_filters.report.glb import map_colors, write_match_glb
-from qgeo_filters.report.maps import view_alike
+from qgeo_filters.report.maps import plot_correspondence, view_alike
 from qgeo_filters.report.view import best_view
 
 

@@ -8,10 +8,10 @@ from matplotlib.transforms import Bbox
 from shapes import icosphere
 
 from qgeo_filters.report.curves import plot_pairwise
-from qgeo_filters.report.figures import plot_attribute, plot_scalar, plot_symmetry
+from qgeo_filters.report.figures import plot_attribute, plot_scalar
 from qgeo_filters.report.glossary import meaning
 from qgeo_filters.report.html import Meaning, Table, report_page
-from qgeo_filters.report.maps import plot_sides
+from qgeo_filters.report.maps import plot_sides, plot_symmetry
 from qgeo_filters.report.view import best_view
 from qgeo_filters.report.worst_places import plot_worst_places, worst_places
 from qgeo_filters.surface import Surface

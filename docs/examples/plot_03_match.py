@@ -12,7 +12,7 @@ import numpy as np
 import pymeshlab
 
 import qgeo_filters as qg
-from qgeo_filters.report.figures import plot_correspondence
+from qgeo_filters.report.maps import plot_correspondence
 
 
 def head_turned(points, degrees=50, begin=0.3, end=0.55):

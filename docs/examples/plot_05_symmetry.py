@@ -10,8 +10,8 @@ import numpy as np
 import trimesh
 
 import qgeo_filters as qg
-from qgeo_filters.report.figures import plot_scalar, plot_symmetry
-from qgeo_filters.report.maps import plot_sides
+from qgeo_filters.report.figures import plot_scalar
+from qgeo_filters.report.maps import plot_sides, plot_symmetry
 
 
 def creature(left=1.2):

@@ -12,7 +12,7 @@ import pymeshlab
 
 import qgeo_filters as qg
 from qgeo_filters.matching.symmetry_measure import symmetry_epsilon, symmetry_regions
-from qgeo_filters.report.figures import plot_symmetry
+from qgeo_filters.report.maps import plot_symmetry
 
 cow = qg.Surface.read(Path(pymeshlab.__file__).parent / "tests" / "sample_meshes" / "cow.obj")
 spectrum = qg.distance_spectrum(cow, k=20)

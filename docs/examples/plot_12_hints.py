@@ -11,7 +11,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 import qgeo_filters as qg
-from qgeo_filters.report.figures import plot_correspondence
+from qgeo_filters.report.maps import plot_correspondence
 
 
 def star(turn=0.0, arms=5):

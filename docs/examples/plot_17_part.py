@@ -9,7 +9,7 @@ import numpy as np
 import trimesh
 
 import qgeo_filters as qg
-from qgeo_filters.report.figures import plot_correspondence
+from qgeo_filters.report.maps import plot_correspondence
 
 
 def creature(left=1.2):

@@ -219,8 +219,7 @@ def _beside_others(benchmark: Benchmark, row: Row) -> Table:
 def _draw_worst(job: Job, data: Dataset, worst: PairResult, what: str) -> None:
     """Picture of the map with the largest mean error."""
     from qgeo_filters.cli.job_text import as_title
-    from qgeo_filters.report.figures import plot_correspondence, plot_symmetry
-    from qgeo_filters.report.maps import view_alike
+    from qgeo_filters.report.maps import plot_correspondence, plot_symmetry, view_alike
     from qgeo_filters.report.view import best_view
 
     caption = f"The worst map, {worst.name}: mean error {worst.errors.direct.mean():.4f}. Points of one colour match."

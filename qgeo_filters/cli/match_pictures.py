@@ -9,9 +9,9 @@ import numpy as np
 
 from qgeo_filters.cli.job_text import as_title
 from qgeo_filters.report.curves import plot_error_curve, plot_histogram
-from qgeo_filters.report.figures import plot_correspondence, plot_scalar
+from qgeo_filters.report.figures import plot_scalar
 from qgeo_filters.report.html import Picture, Table
-from qgeo_filters.report.maps import plot_region_pair, view_alike
+from qgeo_filters.report.maps import plot_correspondence, plot_region_pair, view_alike
 from qgeo_filters.report.match_log import plot_match_log
 from qgeo_filters.report.view import View, best_view
 from qgeo_filters.report.worst_places import plot_worst_places, worst_places

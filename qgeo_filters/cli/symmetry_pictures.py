@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from qgeo_filters.report.figures import plot_scalar, plot_symmetry
-from qgeo_filters.report.maps import plot_sides
+from qgeo_filters.report.figures import plot_scalar
+from qgeo_filters.report.maps import plot_sides, plot_symmetry
 from qgeo_filters.report.shown import Shown, label_colors, mirror_colors
 from qgeo_filters.report.view import best_view
 from qgeo_filters.report.worst_places import plot_worst_places, worst_places

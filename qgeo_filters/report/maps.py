@@ -1,4 +1,4 @@
-"""Figures of maps between surfaces: the sides of a symmetry, regions of equal number, poses in one colouring."""
+"""Figures of maps between surfaces: matched places in one colour, sides of a symmetry, regions, poses."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_surface
-from qgeo_filters.report.colors import distinct
+from qgeo_filters.report.colors import carried_colors, distinct, mirror_colors, position_colors
 from qgeo_filters.report.panels import Panel, panel_figure
 from qgeo_filters.report.shown import SIDES, pose_colors
 from qgeo_filters.report.view import View, best_view
@@ -37,6 +37,82 @@ def view_alike(x: SurfaceLike, view_x: View, y: SurfaceLike, p2p: npt.ArrayLike)
     normals = y.vertex_normals[images]
     views = [best_view(y.vertices, y.faces).turned(degrees) for degrees in _TURNS]
     return max(views, key=lambda view: float(seen @ np.sign(normals @ view.axes[2])))
+
+
+def plot_correspondence(
+    x: SurfaceLike,
+    y: SurfaceLike,
+    p2p: npt.ArrayLike,
+    *,
+    names: tuple[str, str] = ("X", "Y"),
+    views: tuple[View, View] | None = None,
+) -> Figure:
+    """Figure of two surfaces where every vertex of X has the colour of the vertex of Y that it is mapped to.
+
+    Parameters
+    ----------
+    x, y : Surface, or whatever `as_surface` takes
+    p2p : array-like of int, shape (n_x,)
+        Vertex of Y for each vertex of X; -1: no partner, and grey.
+    names : (str, str)
+    views : (View, View), optional
+        By default the same side of both.
+    """
+    x, y = as_surface(x), as_surface(y)
+    target = np.asarray(p2p)
+    if target.shape != (x.n_vertices,):
+        raise ParameterError(f"p2p has shape {target.shape}, but X has {x.n_vertices} vertices")
+    if views is None:
+        view = best_view(x.vertices, x.faces)
+        views = view, view_alike(x, view, y, target)
+    view_x, view_y = views
+    colors = position_colors(y.vertices, view_y.axes)
+    panels = [
+        Panel(x, view_x, names[0], {"colors": carried_colors(colors, target)}),
+        Panel(y, view_y, names[1], {"colors": colors}),
+    ]
+    return panel_figure(panels)
+
+
+def plot_symmetry(
+    surface: SurfaceLike,
+    labels: npt.ArrayLike | None = None,
+    *,
+    p2p: npt.ArrayLike | None = None,
+    title: str = "",
+    view: View | None = None,
+) -> Figure:
+    """Figure of the self-symmetry from both sides (paper, Fig. 5): matched places have one colour.
+
+    Parameters
+    ----------
+    surface : Surface, or whatever `as_surface` takes
+    labels : array-like of int, shape (n,), optional
+        Region of each vertex; the two halves of a symmetric region have one label. Grey where negative.
+    p2p : array-like of int, shape (n,), optional
+        Mirror image of each vertex, in place of labels: a vertex has the colour of the middle between it and
+        its image.
+    title : str
+    view : View, optional
+
+    Raises
+    ------
+    ValueError
+        Unless exactly one of labels and p2p is given.
+    """
+    surface = as_surface(surface)
+    if (labels is None) == (p2p is None):
+        raise ParameterError("give labels or p2p, one of them")
+    view = view or best_view(surface.vertices, surface.faces)
+    options: dict[str, object]
+    if labels is not None:
+        numbers = np.asarray(labels)
+        options = {"labels": numbers, "colors": distinct(int(numbers.max(initial=-1)) + 1)}
+    else:
+        assert p2p is not None
+        options = {"colors": mirror_colors(surface.vertices, p2p, view.axes)}
+    panels = [Panel(surface, view, options=options), Panel(surface, view.turned(180.0), options=options)]
+    return panel_figure(panels, title=title)
 
 
 def plot_sides(surface: SurfaceLike, side: npt.ArrayLike, *, view: View | None = None) -> Figure:
