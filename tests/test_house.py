@@ -57,7 +57,7 @@ FLOORS: list[list[str]] = [
     ["spectral"],
     ["deformation"],
     # matching, in the order of a run
-    ["matching.registration_stages", "matching.shape_parameters"],
+    ["matching.registration_stages", "matching.shape_parameters", "matching.reflection_parameters"],
     ["matching.parameters", "matching.match_log", "matching.hints"],
     ["matching.level", "matching.fine_shape", "matching.intrinsic_shape", "matching.matchable"],
     ["matching.prepared_shape"],
