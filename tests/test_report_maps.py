@@ -10,6 +10,7 @@ from matplotlib.colors import to_rgb
 from shapes import icosphere
 
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.evaluation import BENCHMARKS
 from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.report.curves import plot_error_curve, plot_histogram, plot_pairwise
 from qgeo_filters.report.maps import plot_poses, plot_region_pair, plot_sides, view_alike
@@ -106,6 +107,24 @@ def test_error_curve() -> None:
     line = plot_error_curve([0.0, 0.0, 0.1, 0.5]).axes[0].lines[0]
     shares = dict(zip(np.round(line.get_xdata(), 3).tolist(), line.get_ydata().tolist(), strict=True))
     assert (shares[0.0], shares[0.2]) == (50.0, 75.0)
+
+
+def test_error_curve_beside_published_means() -> None:
+    """A line at each mean, of one colour for what was trained on the set, and all of them named with their figures."""
+    others = BENCHMARKS["smal_r"].published
+    figure = plot_error_curve([0.0, 0.02], mean=0.01, published=others, largest=0.25)
+    upright = [line for line in figure.axes[0].lines if len(set(line.get_xdata())) == 1]
+    colors = {one.error: {str(line.get_color()) for line in upright if line.get_xdata()[0] == one.error / 100}
+              for one in others}  # fmt: skip
+    assert any(line.get_xdata()[0] == 0.01 for line in upright)
+    assert all(len(found) == 1 for found in colors.values())
+    trained = {one.error for one in others if one.learned}
+    assert not set().union(*(colors[error] for error in trained)) & set().union(
+        *(found for error, found in colors.items() if error not in trained)
+    )
+    named = " ".join(text.get_text().replace("\n", " ") for text in figure.legends[0].get_texts())
+    assert [named.count(f"{one.error / 100:.3f}") for one in others] == [1] * len(others)
+    assert "Smooth Shells 0.361 (beyond)" in named
 
 
 def test_pairwise() -> None:

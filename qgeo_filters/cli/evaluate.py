@@ -144,10 +144,14 @@ def evaluate(
     owner = np.repeat(np.arange(len(found)), [len(errors) for errors in direct])
     job.save(results, {"errors": np.concatenate(direct), "pair": owner})
     job.text("table.md", markdown(rows) + "\n")
+    others = benchmark.published if what == "match" else ()
     job.picture(
         "error_curve",
-        "Share of all points within an error.",
-        lambda: plot_error_curve(np.concatenate(direct), label=what),
+        "Share of all points within an error (PCK curve)"
+        + ("; lines: mean errors, of this run and published ones of all test pairs." if others else "."),
+        lambda: plot_error_curve(
+            np.concatenate(direct), label=f"{what}, AUC {rows[-1].auc:.3f}", mean=rows[-1].mean, published=others
+        ),
     )
     _draw_worst(job, data, max(found, key=lambda one: float(one.errors.direct.mean())), what)
     tables = _tables(rows, found, failures, what)

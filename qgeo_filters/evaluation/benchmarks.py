@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -37,6 +38,11 @@ class Published:
     method: str
     error: float
     learned: bool = False
+
+    @property
+    def short_name(self) -> str:
+        """The method alone, without where it was published."""
+        return re.split(r", | \(", self.method)[0]
 
 
 @dataclass(frozen=True)

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from textwrap import fill
 
 import matplotlib
 import numpy as np
 import numpy.typing as npt
+from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.evaluation.benchmarks import Published
 from qgeo_filters.evaluation.errors import THRESHOLDS, error_curve
 from qgeo_filters.report.colors import sequential
 from qgeo_filters.report.panels import STYLE, new_figure
 from qgeo_filters.report.ticks import name_room, name_ticks
 
-_BLUE, _RED = "#2c5fa8", "#b2352f"
+_BLUE, _RED, _AMBER, _PURPLE = "#2c5fa8", "#b2352f", "#c98a1b", "#7b4fa3"
+_KEY_WIDTH = 70  # characters in a line of a key below a chart
 _MOST_NUMBERS = 12
 _NAME_ROOM = 0.5  # inches, of names beside it
 _PAIRWISE_SIDE = 2.8  # inches, of the table between its names and its colour bar
@@ -46,7 +50,14 @@ def plot_histogram(values: npt.ArrayLike, weights: npt.ArrayLike, label: str) ->
     return figure
 
 
-def plot_error_curve(errors: npt.ArrayLike, *, label: str = "this map", largest: float = 0.25) -> Figure:
+def plot_error_curve(
+    errors: npt.ArrayLike,
+    *,
+    label: str = "this map",
+    largest: float = 0.25,
+    mean: float | None = None,
+    published: Sequence[Published] = (),
+) -> Figure:
     """Figure of the share of points whose error is at most each threshold (Princeton protocol).
 
     Parameters
@@ -56,17 +67,41 @@ def plot_error_curve(errors: npt.ArrayLike, *, label: str = "this map", largest:
     label : str
     largest : float
         Threshold at the right end.
+    mean : float, optional
+        Mean error, marked and named beside those of others: that over pairs, if they took theirs so.
+    published : sequence of Published
+        Mean errors of others, marked by lines: those of methods that were not trained on the set, and of those that
+        were. Curves are published as pictures only.
     """
     thresholds = np.linspace(0.0, largest, 251)
-    figure = new_figure(4.6, 3.0)
+    others = {
+        learned: sorted((one for one in published if one.learned == learned), key=lambda one: one.error)
+        for learned in (False, True)
+    }
+    figure = new_figure(4.6, 3.0 + 0.5 * bool(published))
     with matplotlib.rc_context(STYLE):
         axes = figure.add_subplot()
-        axes.plot(thresholds, 100.0 * error_curve(errors, thresholds), color=_BLUE, label=label)
+        (curve,) = axes.plot(thresholds, 100.0 * error_curve(errors, thresholds), color=_BLUE, label=label)
         for threshold in THRESHOLDS:
             if threshold < largest:
                 axes.axvline(threshold, color="0.85", linewidth=0.8, zorder=0)
+        keys: list[Artist] = [curve]
+        if mean is not None:
+            keys.append(axes.axvline(mean, color=_BLUE, linestyle="--", linewidth=1.2, label=f"its mean: {mean:.3f}"))
+        for learned, color, kind in ((False, _AMBER, "not trained on it"), (True, _PURPLE, "trained on it")):
+            lines = [axes.axvline(one.error / 100, color=color, linewidth=1.0, zorder=1) for one in others[learned]]
+            named = [
+                f"{one.short_name} {one.error / 100:.3f}{' (beyond)' if one.error / 100 > largest else ''}"
+                for one in others[learned]
+            ]
+            if lines:
+                lines[0].set_label(fill(f"published means, {kind}: {', '.join(named)}", _KEY_WIDTH))
+                keys.append(lines[0])
         axes.set(xlabel="geodesic error (√area)", ylabel="points within (%)", xlim=(0.0, largest), ylim=(0.0, 101.0))
-        axes.legend(frameon=False, loc="lower right")
+        if published:
+            figure.legend(handles=keys, frameon=False, loc="outside lower left", fontsize=7.5)
+        else:
+            axes.legend(handles=keys, frameon=False, loc="lower right")
     return figure
 
 

@@ -99,7 +99,7 @@ _MEANINGS = {
     "failed": "maps with a mean error above 0.1",
     "mirrored": "maps that are nearer to the mirrored truth",
     "auc": "area under the curve of the share of points within an error, up to 0.1: 1 at best",
-    "coverage": "share of the vertices of Y that are images",
+    "coverage": "share of the area of Y whose vertices are images",
     "mapped": "share of the vertices of X that have an image",
     "published": "figures of other methods on such pairs",
     "rows": "the pairs one by one",
