@@ -118,6 +118,7 @@ def _measured(folder: Path, pair: tuple[str, str, str], variants: list[str]) -> 
     points, images = there[0][truth.points], there[1][truth.images]
     known = (points >= 0) & (images >= 0)
     shapes: dict[tuple[object, ...], list[qg.PreparedShape]] = {}
+    qg.warmup()
     for name in variants:
         parameters = VARIANTS[name]
         alike = tuple(parameters.of_shape().values())
