@@ -145,7 +145,7 @@ class Animation:
         return f"{type(self).__name__}({len(self)} frames of {self.surface.n_vertices} vertices{notes})"
 
     def _repr_html_(self) -> str:
-        steps = np.linalg.norm(np.diff(self.positions, axis=0), axis=2).mean(axis=1) if len(self) > 1 else None
+        steps = np.linalg.norm(np.diff(self.positions, axis=0), axis=2).mean(axis=1) if len(self) > 2 else None
         facts = {
             "frames": len(self),
             "times": f"{shown(float(self.times[0]))} to {shown(float(self.times[-1]))}",

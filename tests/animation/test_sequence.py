@@ -106,3 +106,9 @@ def test_what_is_no_animation_is_refused(tmp_path: Path) -> None:
     )  # fmt: skip
     with pytest.raises(qg.MeshError, match=r"bad.npz: .*damaged"):
         qg.Animation.from_npz(tmp_path / "bad.npz")
+
+
+def test_a_single_step_has_no_chart() -> None:
+    """A bar beside no other says nothing."""
+    charts = ["<svg" in qg.Animation(BALL, GROWING[:count])._repr_html_() for count in (1, 2, 3)]
+    assert charts == [False, False, True]
