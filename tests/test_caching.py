@@ -19,8 +19,9 @@ from scipy import sparse
 
 import qgeo_filters
 from qgeo_filters import fingerprint
-from qgeo_filters.caching import StageCache, arrays_of, size_in_bytes
+from qgeo_filters.caching import StageCache
 from qgeo_filters.fingerprint import code_digest, content_key, numeric_sources
+from qgeo_filters.held_arrays import arrays_of, size_in_bytes
 
 
 def test_keys_follow_content() -> None:
