@@ -84,9 +84,10 @@ def main(record: Record) -> None:
             rows.append(row)
             print(f"<!-- {'-'.join(pair)}: {', '.join(f'{error:.4f}' for error, *_ in row)} -->", flush=True)
     table = np.array(rows, dtype=float)
-    each = record.table("each pair", "pair", *arguments.variants, align="l" + "r" * len(arguments.variants))
-    for pair, row in zip(pairs, rows, strict=True):
-        each.row("-".join(pair[1:]), *(f"{error:.4f} {'sure' if sure else 'unsure'}" for error, sure, _ in row))
+    names = ["-".join(pair[1:]) for pair in pairs]
+    each = record.table("each pair", "", *names, align="l" + "r" * len(names))
+    for place, name in enumerate(arguments.variants):
+        each.row(name, *(f"{row[place][0]:.4f} {'sure' if row[place][1] else 'unsure'}" for row in rows))
     columns = ("mean error", "wrong", "sure", "sure and wrong", "worse", "better", "CPU s")
     found = record.table("all of them", "", *columns, align="l" + "r" * len(columns))
     for place, name in enumerate(arguments.variants):
