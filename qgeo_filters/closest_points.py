@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.barycentric import BarycentricMap, nearest_in_triangles
+from qgeo_filters.parallel import worker_count
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
 
@@ -16,6 +17,8 @@ _CANDIDATES = 32
 # Weight of normals beside places on a surface of unit area: a sheet's other side, which differs by 2 in its normal, is
 # as far as a fifth of the surface's size.
 _TURN = 0.1
+# Length, in sqrt(area), for which opposite normals count: sheets nearer than this are told apart by the side they face.
+_NORMAL_LENGTH = 0.03
 
 
 def closest_points(points: FloatArray, surface: Surface) -> BarycentricMap:
@@ -66,6 +69,28 @@ def closest_facing_points(points: FloatArray, normals: FloatArray, surface: Surf
         faces[away[owner[first]]] = candidates[first]
     coordinates, _ = nearest_in_triangles(points, corners[faces])
     return faces, coordinates
+
+
+def placed(points: FloatArray, normals: FloatArray, target: Surface) -> FloatArray:
+    """Points with their normals (n, 6), as they are compared on a surface: in its unit of length."""
+    return np.column_stack([points, _NORMAL_LENGTH * np.sqrt(target.area) * normals])
+
+
+def nearest_facing_vertices(places: FloatArray, vertices: FloatArray, surface: Surface) -> IndexArray:
+    """Vertex near each place that faces the same way; -1 where a place is NaN.
+
+    Parameters
+    ----------
+    places, vertices : (k, 6), (m, 6) float64
+        Points beside their normals; vertices that are NaN are none.
+    surface : Surface
+        Whose unit of length tells how much normals count.
+    """
+    known, candidates = (np.flatnonzero(np.isfinite(one).all(axis=1)) for one in (places, vertices))
+    here, there = (placed(one[:, :3], one[:, 3:], surface) for one in (places[known], vertices[candidates]))
+    found = np.full(len(places), -1, dtype=np.int64)
+    found[known] = candidates[cKDTree(there).query(here, workers=worker_count())[1]]
+    return found
 
 
 def _unit(surface: Surface, points: FloatArray) -> FloatArray:

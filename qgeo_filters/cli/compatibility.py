@@ -87,7 +87,7 @@ def compatibility(
         "index": found.index,
         "signs": found.signs,
         # For each vertex of the first baseline its vertex of each pose.
-        "maps": np.stack([job.on_given(job.as_given(m, p), first) for p, m in enumerate(found.maps)]),
+        "maps": np.stack([job.images_on_given(m, first, p) for p, m in enumerate(found.maps)]),
     }
     one_mesh = all(np.array_equal(image, np.arange(len(image))) for image in found.maps)
     pairs = found.c_xy[np.triu_indices(len(poses), 1)]

@@ -16,6 +16,7 @@ from qgeo_filters.cli.options import Settings
 from qgeo_filters.errors import MeshError, QgeoError, TooLargeError, of_file, reason
 from qgeo_filters.filters.repaired import carried_back, repaired_vertices
 from qgeo_filters.hosts.dispatch import as_given, surface_and_repair
+from qgeo_filters.hosts.given_images import images_on_given
 from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.repair.triangle_soup import Pieces
 from qgeo_filters.surface import Surface
@@ -183,10 +184,9 @@ class JobMeshes(ABC):
         repair = self.repairs[mesh]
         return list((known if repair is None else repaired_vertices(repair, what, known)).tolist())
 
-    def as_given(self, vertices: np.ndarray, mesh: int = 0) -> np.ndarray:
-        """Vertices of the file, for vertices of the surface that was read; -1 stays."""
-        repair = self.repairs[mesh]
-        return vertices if repair is None else np.where(vertices >= 0, repair.origin[np.maximum(vertices, 0)], -1)
+    def images_on_given(self, images: np.ndarray, of: int, on: int) -> np.ndarray:
+        """Map of a mesh onto another, both as they were read, between the vertices of the files."""
+        return images_on_given(images, self.repairs[of], self.repairs[on], self._surfaces[on])
 
     def on_given(self, values: np.ndarray, mesh: int = 0, *, axis: int = 0, vertices: bool = False) -> np.ndarray:
         """Values at the vertices of the file, from those of the surface that was read; NaN or -1 where one is gone.

@@ -10,6 +10,7 @@ import numpy as np
 
 from qgeo_filters.array_likes import as_array
 from qgeo_filters.errors import DisconnectedError, MeshError
+from qgeo_filters.hosts.given_images import images_on_given
 from qgeo_filters.hosts.repair import Repair, repaired_within
 from qgeo_filters.repair.triangle_soup import PIECES, most_lost
 from qgeo_filters.validation import listed
@@ -64,7 +65,7 @@ def parameters_on(repair: Repair, filters: Iterable[Any]) -> Iterator[None]:
 def carried_back(repair: Repair, values: np.ndarray, are_vertices: bool) -> np.ndarray:
     """Values at the original vertices; those that are vertices themselves as original ones."""
     if are_vertices:
-        values = np.where(values >= 0, repair.origin[np.maximum(values, 0)], -1)
+        return images_on_given(values, repair, repair, repair.surface)
     return repair.map_back(values)
 
 

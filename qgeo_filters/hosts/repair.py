@@ -83,6 +83,16 @@ class Repair:
         """Whether anything had to be changed."""
         return bool(self.report)
 
+    @property
+    def keeps_vertices(self) -> bool:
+        """Whether each vertex is one of the original ones: then maps come back by `origin`, else by places."""
+        return True
+
+    @property
+    def wrap_alpha(self) -> float:
+        """The ``alpha`` of `wrap_surface`, 0 where nothing was wrapped."""
+        return 0.0
+
     def map_back(self, values: npt.ArrayLike) -> np.ndarray:
         """Values at the original vertices, shape (n_old, ...), from values at the repaired ones.
 

@@ -12,7 +12,6 @@ has it from CGAL.
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -42,7 +41,6 @@ _log = logging.getLogger(__name__)
 ALPHA = 0.03
 # Distance of the wrap from the mesh, relative to alpha.
 _OFFSET = 0.05
-_WRAPPED = "wrapped in a closed surface"
 # A sheet wrapped on both sides is two offsets thick in the mean, an arm twenty and more.
 _SHEET = 6.0
 
@@ -58,6 +56,8 @@ class Wrap(Repair):
     ----------
     places : BarycentricMap
         Nearest point of the wrap for each original vertex; none for those that lie too deep inside.
+    alpha : float
+        As it was given to `wrap_surface`.
 
     Examples
     --------
@@ -69,6 +69,17 @@ class Wrap(Repair):
     """
 
     places: BarycentricMap
+    alpha: float
+
+    @property
+    def keeps_vertices(self) -> bool:
+        """False: its vertices are its own."""
+        return False
+
+    @property
+    def wrap_alpha(self) -> float:
+        """`alpha`."""
+        return self.alpha
 
     def map_back(self, values: npt.ArrayLike) -> np.ndarray:
         """Values at the original vertices: interpolated, or of the nearest vertex where they are whole numbers."""
@@ -147,11 +158,6 @@ def wrap_surface(obj: Any, *, alpha: float = ALPHA) -> Wrap:
     return _wrap(given, surface, sound, alpha, repaired.report)
 
 
-def says_wrapped(report: Iterable[str]) -> bool:
-    """Whether the sentences of a repair say that it was a wrap."""
-    return any(_WRAPPED in sentence for sentence in report)
-
-
 def _diagonal(sound: SoundMesh) -> float:
     used = sound.vertices[occurring(sound.faces, len(sound.vertices))]
     return float(np.linalg.norm(np.ptp(used, axis=0)))
@@ -202,7 +208,15 @@ def _wrap(given: Surface, surface: Surface, sound: SoundMesh, alpha: float, said
         _log.info("wrap: %s", change)
     turned = np.zeros(surface.n_faces, dtype=bool)
     return Wrap(
-        given, surface, frozen(origin), frozen(nearest), frozen(face_origin), frozen(turned), tuple(report), places
+        given,
+        surface,
+        frozen(origin),
+        frozen(nearest),
+        frozen(face_origin),
+        frozen(turned),
+        tuple(report),
+        places,
+        float(alpha),
     )
 
 
@@ -211,6 +225,6 @@ def _sentence(sound: SoundMesh, surface: Surface, alpha: float) -> str:
     pieces = len(np.unique(vertex_components(edges, len(sound.vertices))[1][sound.faces[:, 0]]))
     of = f" in {pieces} pieces" if pieces > 1 else ""
     return (
-        f"{counted(len(sound.faces), 'face')}{of} {_WRAPPED} of {surface.n_faces} faces and genus "
+        f"{counted(len(sound.faces), 'face')}{of} wrapped in a closed surface of {surface.n_faces} faces and genus "
         f"{surface.genus}; openings up to {100 * alpha:.3g} % of the diagonal are closed"
     )

@@ -27,10 +27,10 @@ from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.errors import MeshError, ParameterError, concerning
 from qgeo_filters.geodesics.metric import lifted_metric
 from qgeo_filters.hosts.dispatch import SurfaceLike, surface_and_repair
+from qgeo_filters.hosts.given_images import images_on_given
 from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.html_repr import MOST_ROWS, card
 from qgeo_filters.matching.correspondence import match
-from qgeo_filters.matching.given_vertices import indices_on_given
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.parallel import default_workers
 from qgeo_filters.spectral.commutative import Normalization, commutative_eigenspectra, spectral_distance
@@ -175,7 +175,7 @@ def compatibility(
         return found
     return replace(
         found,
-        maps=tuple(indices_on_given(image, repairs[first], repairs[p]) for p, image in enumerate(found.maps)),
+        maps=tuple(images_on_given(image, repairs[first], repairs[p], poses[p]) for p, image in enumerate(found.maps)),
     )
 
 

@@ -6,16 +6,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from qgeo_filters._typing import IndexArray
+from qgeo_filters.closest_points import nearest_facing_vertices
+from qgeo_filters.hosts.given_images import given_places, images_on_given, keep_vertices
 from qgeo_filters.hosts.repair import Repair
-from qgeo_filters.hosts.wrap import Wrap
 from qgeo_filters.matching.maps.barycentric import BarycentricMap, barycentric_map
-from qgeo_filters.matching.maps.resolutions import placed
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.prepared_shape import PreparedShape
-from qgeo_filters.parallel import worker_count
 from qgeo_filters.validation import frozen
 
 if TYPE_CHECKING:
@@ -41,13 +39,13 @@ def match_on_given(found: MatchResult, x: PreparedShape, y: PreparedShape) -> Ma
     if x.repair is None and y.repair is None:
         return found
     positions = _values(found.positions, x.repair)
-    if isinstance(x.repair, Wrap) or isinstance(y.repair, Wrap):
+    if keep_vertices(x.repair, y.repair):
+        p2p = images_on_given(found.p2p, x.repair, y.repair, y.full)
+        inverse = images_on_given(found.inverse, y.repair, x.repair, x.full)
+        places = _places(found.barycentric, x.repair, y.repair)
+    else:
         p2p, inverse = _carried(found, x, y)
         places = barycentric_map(positions, p2p, y.given)
-    else:
-        p2p = indices_on_given(found.p2p, x.repair, y.repair)
-        inverse = indices_on_given(found.inverse, y.repair, x.repair)
-        places = _places(found.barycentric, x.repair, y.repair)
     return replace(
         found,
         x=x.given,
@@ -60,6 +58,8 @@ def match_on_given(found: MatchResult, x: PreparedShape, y: PreparedShape) -> Ma
         positions=positions,
         barycentric=places,
         repairs=(*_sentences("X", x.repair), *_sentences("Y", y.repair)),
+        wrap_x=_wrap_alpha(x.repair),
+        wrap_y=_wrap_alpha(y.repair),
     )
 
 
@@ -75,15 +75,14 @@ def symmetry_on_given(found: Symmetry, x: PreparedShape) -> Symmetry:
     """
     if x.repair is None:
         return found
-    if isinstance(x.repair, Wrap):
+    if x.repair.keeps_vertices:
+        p2p, nearest = (images_on_given(images, x.repair, x.repair, x.full) for images in (found.p2p, found.nearest))
+        places = _places(found.barycentric, x.repair, x.repair)
+    else:
         there = np.column_stack([x.full.vertices, x.full.vertex_normals])
         mirrored = x.repair.map_back(found.barycentric.pulled_back(there))
-        of_given = np.column_stack([x.given.vertices, x.repair.map_back(there)[:, 3:]])
-        p2p = nearest = _nearest(mirrored, of_given, x)
+        p2p = nearest = nearest_facing_vertices(mirrored, given_places(x.repair, x.full), x.full)
         places = barycentric_map(mirrored[:, :3], nearest, x.given)
-    else:
-        p2p, nearest = (indices_on_given(images, x.repair, x.repair) for images in (found.p2p, found.nearest))
-        places = _places(found.barycentric, x.repair, x.repair)
     side = _values(found.side, x.repair).copy()
     side[x.repair.vertex_of_original < 0] = 0
     return replace(
@@ -107,33 +106,16 @@ def _carried(found: MatchResult, x: PreparedShape, y: PreparedShape) -> tuple[In
     deformed = x.oriented.with_vertices(found.positions)
     normals = deformed.vertex_normals * (1.0 if found.orientation >= 0 else -1.0)
     here = _values(np.column_stack([found.positions, normals]), x.repair)
-    there = _values(np.column_stack([y.oriented.vertices, y.oriented.vertex_normals]), y.repair)
-    there = np.column_stack([y.given.vertices, there[:, 3:]])
-    p2p, inverse = _nearest(here, there, y), _nearest(there, here, y)
+    there = given_places(y.repair, y.oriented)
+    p2p, inverse = nearest_facing_vertices(here, there, y.full), nearest_facing_vertices(there, here, y.full)
     p2p[_values(found.p2p, x.repair) < 0] = -1
     inverse[_values(found.inverse, y.repair) < 0] = -1
     return p2p, inverse
 
 
-def _nearest(places: np.ndarray, others: np.ndarray, on: PreparedShape) -> IndexArray:
-    """Of the others, with normals (m, 6), the one nearest to each place (n, 6) on a shape; -1 where a place is NaN."""
-    known, candidates = (np.flatnonzero(np.isfinite(one).all(axis=1)) for one in (places, others))
-    here, there = (placed(one[:, :3], one[:, 3:], on.full) for one in (places[known], others[candidates]))
-    found = np.full(len(places), -1, dtype=np.int64)
-    found[known] = candidates[cKDTree(there).query(here, workers=worker_count())[1]]
-    return found
-
-
 def _values(values: np.ndarray, repair: Repair | None) -> np.ndarray:
     """Values at the given vertices."""
     return values if repair is None else frozen(repair.map_back(values))
-
-
-def indices_on_given(images: IndexArray, of: Repair | None, on: Repair | None) -> IndexArray:
-    """Given vertex of one shape for each given vertex of another."""
-    if on is not None:
-        images = np.where(images >= 0, on.origin[np.maximum(images, 0)], -1)
-    return _values(frozen(images), of)
 
 
 def _places(places: BarycentricMap, of: Repair | None, on: Repair | None) -> BarycentricMap:
@@ -149,3 +131,7 @@ def _places(places: BarycentricMap, of: Repair | None, on: Repair | None) -> Bar
 
 def _sentences(name: str, repair: Repair | None) -> tuple[str, ...]:
     return () if repair is None else tuple(f"{name}: {sentence}" for sentence in repair.report)
+
+
+def _wrap_alpha(repair: Repair | None) -> float:
+    return 0.0 if repair is None else repair.wrap_alpha

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from qgeo_filters._typing import FloatArray, IndexArray, RepairOption
+from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.geodesics.pairs import paired_distances
 from qgeo_filters.hosts.dispatch import surface_and_repair
-from qgeo_filters.hosts.wrap import says_wrapped
+from qgeo_filters.hosts.repair import Repair
+from qgeo_filters.hosts.wrap import wrap_surface
 from qgeo_filters.surface import Surface
 
 
 def map_errors(
-    y: Surface, p2p: IndexArray, truth: IndexArray, repairs: Sequence[str], workers: int | None = None
+    y: Surface, p2p: IndexArray, truth: IndexArray, repaired: bool, wrap: float, workers: int | None = None
 ) -> FloatArray:
     """Geodesic distance between vertices of Y, (n,), in units of sqrt(area); NaN where one of them is -1.
 
@@ -25,12 +24,14 @@ def map_errors(
         that has none.
     p2p, truth : (n,) int64
         Vertices of Y; -1: none.
-    repairs : sequence of str
-        What was repaired of it for the match, in one piece: distances are those on what was matched, a wrap too.
+    repaired : bool
+        Whether it was repaired for the match, in one piece: distances are those on what was matched.
+    wrap : float
+        The ``alpha`` of the wrap that was matched in its place, 0: none.
     workers : int, optional
         Threads; all cores by default.
     """
-    repair = surface_and_repair(y, _option(repairs), "largest" if repairs else "all")[1]
+    repair = _as_matched(y, repaired, wrap)
     stands = np.arange(y.n_vertices) if repair is None else repair.vertex_of_original
     image, target = (np.where(one >= 0, stands[one], -1) for one in (p2p, truth))
     known = (image >= 0) & (target >= 0)
@@ -40,8 +41,7 @@ def map_errors(
     return errors
 
 
-def _option(repairs: Sequence[str]) -> RepairOption:
-    """What repairs the shape as it was repaired for the match."""
-    if not repairs:
-        return "auto"
-    return "wrap" if says_wrapped(repairs) else "force"
+def _as_matched(y: Surface, repaired: bool, wrap: float) -> Repair | None:
+    if wrap:
+        return wrap_surface(y, alpha=wrap)
+    return surface_and_repair(y, "force", "largest")[1] if repaired else surface_and_repair(y, "auto", "all")[1]

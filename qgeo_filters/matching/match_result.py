@@ -72,6 +72,8 @@ class MatchResult:
         Distance on Y between the image of each landmark that was given and its partner, in units of sqrt(area).
     overlap_x, overlap_y : float
         Share of the area of either shape that has a partner: 1 but for partial matches.
+    wrap_x, wrap_y : float
+        The ``alpha`` of the closed surface that was matched in place of either shape, see `wrap_surface`; 0: none was.
 
     Examples
     --------
@@ -109,6 +111,8 @@ class MatchResult:
     landmark_errors: FloatArray = field(default_factory=lambda: frozen(np.zeros(0)))
     overlap_x: float = 1.0
     overlap_y: float = 1.0
+    wrap_x: float = 0.0
+    wrap_y: float = 0.0
 
     @cached_property
     def inverse_barycentric(self) -> BarycentricMap:
@@ -258,8 +262,8 @@ class MatchResult:
         target = checked_indices(truth, self.y.n_vertices, "truth", missing=True)
         if len(target) != len(self.p2p):
             raise ParameterError(f"truth must hold a vertex for each of the {len(self.p2p)} of X, got {len(target)}")
-        repairs = [line for line in self.repairs if line.startswith("Y: ")]
-        return map_errors(self.y, self.p2p, target, repairs, workers)
+        repaired = any(line.startswith("Y: ") for line in self.repairs)
+        return map_errors(self.y, self.p2p, target, repaired, self.wrap_y, workers)
 
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write a table with a row for each vertex of X.

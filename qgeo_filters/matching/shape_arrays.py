@@ -76,6 +76,7 @@ def arrays_of_shape(shape: PreparedShape) -> tuple[Arrays, dict[str, Any]]:
         arrays |= {f"repair_{name}": getattr(mended, name) for name in _OF_REPAIR}
         if isinstance(mended, Wrap):
             arrays |= {"wrap_faces": mended.places.faces, "wrap_coordinates": mended.places.coordinates}
+            values["wrap_alpha"] = mended.alpha
         values["repair"] = list(mended.report)
     return arrays, values
 
@@ -209,7 +210,9 @@ def _repair(given: Surface, arrays: Arrays, values: Mapping[str, Any]) -> Repair
     if "wrap_faces" not in arrays:
         return Repair(*made)
     faces = arrays["wrap_faces"]
-    return Wrap(*made, BarycentricMap(faces, corners_of(faces, surface), arrays["wrap_coordinates"]))
+    return Wrap(
+        *made, BarycentricMap(faces, corners_of(faces, surface), arrays["wrap_coordinates"]), values["wrap_alpha"]
+    )
 
 
 def _symmetry(full: Surface, arrays: Arrays, values: Mapping[str, Any]) -> Symmetry:

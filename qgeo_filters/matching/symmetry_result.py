@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.barycentric import BarycentricMap
+from qgeo_filters.closest_points import placed
 from qgeo_filters.html_repr import card, histogram, shown
 from qgeo_filters.matching.finish import at_full_resolution
 from qgeo_filters.matching.maps.barycentric import barycentric_map
@@ -16,7 +17,6 @@ from qgeo_filters.matching.maps.functional_map import nearest_neighbors, nearest
 from qgeo_filters.matching.maps.involution import optimal_involution
 from qgeo_filters.matching.maps.orientation import orientation
 from qgeo_filters.matching.maps.point_distortion import point_distortions
-from qgeo_filters.matching.maps.resolutions import placed
 from qgeo_filters.matching.mirror_curve import MirrorPlane, mirror_plane, zero_curves
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.problem import MatchProblem

@@ -8,34 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from in_pieces import in_pieces
 from shapes import Mesh, bent, creature, icosphere, moebius
 
 import qgeo_filters as qg
 from qgeo_filters.evaluation import VtsDataset
 from qgeo_filters.hosts.dispatch import surface_and_repair
+from qgeo_filters.hosts.given_images import images_on_given
 from qgeo_filters.matching.given_vertices import match_on_given
 from qgeo_filters.matching.shape_arrays import arrays_of_shape, shape_of_arrays
 from qgeo_filters.matching.symmetry import self_symmetry
-
-
-def in_pieces(mesh: Mesh, seed: int = 0) -> Mesh:
-    """The mesh as 30 pieces that do not touch by an edge, half of them turned over, and a sheet across it inside."""
-    vertices, faces = mesh
-    random = np.random.default_rng(seed)
-    middle = vertices[faces].mean(axis=1)
-    piece = np.linalg.norm(middle[:, None] - middle[random.choice(len(faces), 30, replace=False)], axis=2).argmin(
-        axis=1
-    )
-    soup, apart = [], []
-    count = 0
-    for label in range(30):
-        used, local = np.unique(faces[piece == label], return_inverse=True)
-        own = local.reshape(-1, 3) + count
-        apart.append(own if label % 2 else own[:, ::-1])
-        soup.append(vertices[used] * (1 + 2e-3 * random.random()))
-        count += len(used)
-    sheet = 0.2 * np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
-    return np.concatenate([*soup, sheet]), np.concatenate([*apart, np.array([[0, 1, 2], [0, 2, 3]]) + count])
 
 
 @functools.cache
@@ -87,6 +69,27 @@ def test_the_other_shape_may_be_inside_out() -> None:
     vertices, faces = creature(level=3)
     one, other = (qg.match(qg.wrap_surface(x), (vertices, f)) for f in (faces, faces[:, ::-1]))
     np.testing.assert_array_equal(one.p2p, other.p2p)
+
+
+def test_errors_are_measured_on_the_wrap_that_was_matched(tmp_path: Path) -> None:
+    x, y, places = pair()
+    wraps = qg.wrap_surface(x), qg.wrap_surface(y, alpha=0.02)
+    found = qg.match(*wraps)
+    assert (found.wrap_x, found.wrap_y) == (0.03, 0.02)
+    found.to_npz(tmp_path / "found.npz")
+    again = qg.MatchResult.from_npz(tmp_path / "found.npz")
+    assert again.wrap_y == 0.02
+    truth = np.linalg.norm(y[0][None] - places[:, None], axis=2).argmin(axis=1)
+    truth[found.p2p < 0] = -1
+    some = np.flatnonzero(truth >= 0)[::400]
+    surface, stands = wraps[1].surface, wraps[1].vertex_of_original
+    # None of these changes what was matched: not the sentences of the report.
+    for result in (again, replace(found, repairs=tuple(line.replace("wrapped", "...") for line in found.repairs))):
+        errors = result.error(truth)
+        for v in some:
+            way = qg.distances(surface, int(stands[truth[v]]), "cartesian")[0, stands[found.p2p[v]]]
+            assert errors[v] * np.sqrt(surface.area) == pytest.approx(way, rel=1e-3, abs=1e-6)
+    assert qg.match(icosphere(3), icosphere(3)).wrap_y == 0
 
 
 def test_a_wrap_of_another_size_stands_for_its_mesh() -> None:
@@ -219,6 +222,59 @@ def test_spectra_and_filters_take_it() -> None:
     assert wrap is not None
     whole_way = qg.distances(qg.Surface(*creature(level=3)), 0).max()
     assert 0.7 * whole_way < np.nanmax(there) < 1.4 * whole_way
+
+
+def test_vertices_as_values_are_given_ones_and_not_of_the_resolution_of_the_wrap() -> None:
+    """A known map of the wrap: its mirror image in space."""
+    x = in_pieces(creature(level=4))
+    wrap = qg.wrap_surface(x, alpha=0.06)
+    at = wrap.surface.vertices
+    images = np.linalg.norm(at[:, None] * [-1, 1, 1] - at[None], axis=2).argmin(axis=1)
+    back = images_on_given(images, wrap, wrap, wrap.surface)
+    there = wrap.vertex_of_original >= 0
+    np.testing.assert_array_equal(back >= 0, there)
+    off = np.linalg.norm(x[0][back[there]] - x[0][there] * [-1, 1, 1], axis=1)
+    by_index = wrap.origin[images[wrap.vertex_of_original[there]]]
+    coarse = np.linalg.norm(x[0][by_index] - x[0][there] * [-1, 1, 1], axis=1)
+    assert off.mean() < 0.6 * coarse.mean()
+    assert off.mean() < 0.3 * wrap.surface.edge_lengths.mean()
+    nothing = images_on_given(np.arange(len(at)), wrap, wrap, wrap.surface)
+    np.testing.assert_array_equal(nothing[there], np.flatnonzero(there))
+    some = np.where(np.arange(len(at)) % 3 == 0, -1, images)
+    np.testing.assert_array_equal(
+        images_on_given(some, wrap, wrap, wrap.surface) < 0, wrap.map_back(np.where(some < 0, -1, 0)) < 0
+    )
+
+
+def test_a_map_that_is_torn_leads_to_one_of_its_sides() -> None:
+    vertices, faces = icosphere(3)
+    wrap = qg.wrap_surface((vertices, faces), alpha=0.1)
+    at = wrap.surface.vertices
+    nearest = np.linalg.norm(at[:, None] * np.where(at[:, [2]] > 0, 1, -1)[:, None] - at[None], axis=2).argmin(axis=1)
+    back = images_on_given(nearest, wrap, wrap, wrap.surface)
+    # Above the equator itself, below it the point opposite: nothing comes to lie between the two.
+    goal = np.where(vertices[:, [2]] > 0, vertices, -vertices)
+    gaps = np.minimum(np.linalg.norm(vertices[back] - goal, axis=1), np.linalg.norm(vertices[back] + goal, axis=1))
+    assert gaps.max() < 3 * wrap.surface.edge_lengths.max()
+    assert gaps.mean() < 0.5 * wrap.surface.edge_lengths.mean()
+
+
+def test_a_symmetry_as_an_attribute_is_on_given_vertices() -> None:
+    x = in_pieces(creature(level=4))
+    found = qg.SelfSymmetry()(qg.Surface(*x), repair="wrap").attributes["qgeo_symmetry"]
+    known = found >= 0
+    assert (~known).sum() == 4
+    assert np.linalg.norm(x[0][found[known]] - x[0][known] * [-1, 1, 1], axis=1).mean() < 0.05
+
+
+def test_maps_of_compatible_poses_are_between_given_vertices() -> None:
+    x, y, places = pair()
+    found = qg.compatibility([x, y], k=6, repair="wrap")
+    known = found.maps[1] >= 0
+    assert known.sum() == len(x[0]) - 4
+    np.testing.assert_array_equal(found.maps[0][known], np.flatnonzero(known))
+    off = np.linalg.norm(y[0][found.maps[1][known]] - places[known], axis=1)
+    assert off.mean() < 0.03 * np.sqrt(qg.Surface(*creature(level=4)).area)
 
 
 def test_piece_by_piece_is_something_else() -> None:

@@ -8,13 +8,11 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters.closest_points import placed
 from qgeo_filters.decimation import Proxy
 from qgeo_filters.matching.level import Level
 from qgeo_filters.parallel import worker_count
 from qgeo_filters.surface import Surface
-
-# Length, in sqrt(area), for which opposite normals count: sheets nearer than this are told apart by the side they face.
-_NORMAL_LENGTH = 0.03
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,8 +54,3 @@ def carried(positions: FloatArray, x: Proxy, y: Level, target: Surface) -> Carri
     p2p = cKDTree(there).query(here, workers=worker_count())[1]
     inverse = cKDTree(here).query(there, workers=worker_count())[1]
     return CarriedMap(np.asarray(p2p, dtype=np.int64), np.asarray(inverse, dtype=np.int64), points)
-
-
-def placed(points: FloatArray, normals: FloatArray, target: Surface) -> FloatArray:
-    """Points with their normals (n, 6), as they are compared on a surface: in its unit of length."""
-    return np.column_stack([points, _NORMAL_LENGTH * np.sqrt(target.area) * normals])
