@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from tqdm.auto import tqdm
 
-from qgeo_filters._typing import FloatArray
+from qgeo_filters._typing import FloatArray, RepairOption
 from qgeo_filters.animation.places import MapLike, Places, places_on, warned
 from qgeo_filters.animation.poses import given_pose, given_shape, listed_poses, pose_surface, same_triangles
 from qgeo_filters.animation.scans import laid_onto
@@ -33,6 +33,7 @@ def interpolate(
     correspondence: Any = None,
     *,
     accept_unsure: bool = False,
+    repair: RepairOption = "auto",
     workers: int | None = None,
     progress: bool = False,
 ) -> Animation:
@@ -53,6 +54,8 @@ def interpolate(
         and any other is matched.
     accept_unsure : bool
         Whether a match that is not sure is used all the same, with a warning.
+    repair : bool, "auto", "force" or "wrap"
+        What is repaired where a match is sought, see `match`; what moves is X as it is given, each of its vertices.
     workers : int, optional
         Threads; all cores that the process may use by default.
     progress : bool
@@ -93,7 +96,7 @@ def interpolate(
     with default_workers(workers), single_threaded_blas:
         for k, (pose, given) in enumerate(zip(poses, maps, strict=True)):
             with concerning(f"pose {k}"):
-                end, left, places = _end(start, pose, given, accept_unsure)
+                end, left, places = _end(start, pose, given, accept_unsure, repair)
             ends.append(end)
             notes += left
             if places is not None:
@@ -136,13 +139,13 @@ def _frames(start: Surface, ends: list[FloatArray], times: FloatArray) -> Any:
 
 
 def _end(
-    start: Surface, pose: Any, given: MapLike | None, accept_unsure: bool
+    start: Surface, pose: Any, given: MapLike | None, accept_unsure: bool, repair: RepairOption
 ) -> tuple[FloatArray, tuple[str, ...], Places | None]:
     """Positions of the vertices of X in the pose of Y, what was left out of Y, and the map, unless it is one to one."""
     surface, left = pose_surface(start, pose)
     if given is None and same_triangles(start, surface):
         return given_pose(start, pose), left, None
-    places = places_on(surface, start, given, accept_unsure)
+    places = places_on(surface, start, given, accept_unsure, repair=repair)
     if np.array_equal(places.on_x.pulled_back(surface.vertices), surface.vertices):
         return surface.vertices, left, places
     return laid_onto(start, surface, places, _ON_Y), left, places

@@ -10,8 +10,10 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import RepairOption
 from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.hosts.wrap import wrap_surface
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.maps.orientation import orientation
 from qgeo_filters.matching.match_result import MatchResult
@@ -29,16 +31,25 @@ _TURNED_OVER = -0.3
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Point of X for each vertex of Y, the match that it comes from, if there is one, and what is to be said of it."""
+    """Point of X for each vertex of Y, the match that it comes from, if there is one, and what is to be said of it.
+
+    ``size`` is how many times as large Y is as X: the root of the areas of what was matched.
+    """
 
     on_x: BarycentricMap
+    size: float
     match: MatchResult | None = None
     notes: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
 
 
 def places_on(
-    x: Surface, y: Surface, correspondence: MapLike | None, accept_unsure: bool, by_landmarks: bool = True
+    x: Surface,
+    y: Surface,
+    correspondence: MapLike | None,
+    accept_unsure: bool,
+    by_landmarks: bool = True,
+    repair: RepairOption = "auto",
 ) -> Places:
     """Point of X for each vertex of Y.
 
@@ -52,6 +63,8 @@ def places_on(
         Whether a match that is not sure is used all the same: the caller is to warn of the doubts.
     by_landmarks : bool
         Whether the caller could steer such a match by landmarks, which the error then says.
+    repair : bool, "auto", "force" or "wrap"
+        What `match` repairs.
 
     Raises
     ------
@@ -59,17 +72,18 @@ def places_on(
         A map of other shapes, or without any point; one that is not sure, or reverses the orientation.
     """
     if correspondence is None:
-        correspondence = match(x, y)
+        correspondence = match(x, y, repair=repair)
     if isinstance(correspondence, MatchResult):
         return _of_match(x, y, correspondence, accept_unsure, by_landmarks)
     if isinstance(correspondence, BarycentricMap):
-        return Places(_checked(x, y, correspondence))
+        return Places(_checked(x, y, correspondence), _root_of_areas(x, y))
     vertices = checked_indices(correspondence, x.n_vertices, "correspondence", missing=True)
     if len(vertices) != y.n_vertices:
         raise ParameterError(
             f"correspondence must hold a vertex of X for each of the {y.n_vertices} of Y, got {len(vertices)}"
         )
-    return Places(_checked(x, y, BarycentricMap.at_vertices(vertices, x.faces, x.n_vertices)))
+    place = BarycentricMap.at_vertices(vertices, x.faces, x.n_vertices)
+    return Places(_checked(x, y, place), _root_of_areas(x, y))
 
 
 def warned(doubts: Iterable[str]) -> None:
@@ -83,9 +97,9 @@ def _of_match(x: Surface, y: Surface, found: MatchResult, accept_unsure: bool, b
     if there and back:  # shapes of equal counts: told by where their vertices are
         back = np.array_equal(found.x.vertices, y.vertices) and not np.array_equal(found.x.vertices, x.vertices)
     if back:
-        place = found.barycentric
+        place, wraps = found.barycentric, (found.wrap_y, found.wrap_x)
     elif there:
-        place = found.inverse_barycentric
+        place, wraps = found.inverse_barycentric, (found.wrap_x, found.wrap_y)
     else:
         raise ParameterError(
             f"the match is one of {found.x.n_vertices} and {found.y.n_vertices} vertices, "
@@ -98,7 +112,15 @@ def _of_match(x: Surface, y: Surface, found: MatchResult, accept_unsure: bool, b
         more = "more " if len(found.landmark_errors) else ""
         landmarks = f"give {more}landmarks (correspondence=match(x, y, landmarks=...)), " if by_landmarks else ""
         raise ParameterError(f"{doubt}. Look at it, {landmarks}or say accept_unsure=True")
-    return Places(_checked(x, y, place), found, found.repairs, (doubt,) if doubt else ())
+    # Raw CT has walls of two sides and more inside: the area of its wrap is what tells its size.
+    of_x, of_y = (
+        wrap_surface(shape, alpha=alpha).surface if alpha else shape for shape, alpha in zip((x, y), wraps, strict=True)
+    )
+    return Places(_checked(x, y, place), _root_of_areas(of_x, of_y), found, found.repairs, (doubt,) if doubt else ())
+
+
+def _root_of_areas(x: Surface, y: Surface) -> float:
+    return float(np.sqrt(y.area / x.area))
 
 
 def _alike(one: Surface, other: Surface) -> bool:

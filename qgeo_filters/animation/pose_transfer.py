@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from qgeo_filters._typing import FloatArray
+from qgeo_filters._typing import FloatArray, RepairOption
 from qgeo_filters.animation.places import MapLike, Places, places_on
 from qgeo_filters.animation.poses import given_shape
 from qgeo_filters.animation.sequence import Animation
@@ -84,11 +84,12 @@ class PoseTransfer:
         same_body: bool,
         align: bool,
         accept_unsure: bool,
+        repair: RepairOption = "auto",
     ) -> PoseTransfer:
         """From the arguments of `transfer_deformation`."""
         x, left_x = given_shape(x_reference, "X")
         y, left_y = given_shape(y_reference, "Y")
-        places = places_on(x, y, correspondence, accept_unsure)
+        places = places_on(x, y, correspondence, accept_unsure, repair=repair)
         points = places.on_x.pulled_back(x.vertices)
         known = np.isfinite(points).all(axis=1)
         weights = y.vertex_areas[known]
@@ -100,8 +101,7 @@ class PoseTransfer:
         elif same_pose:
             frame = best
         else:  # what bends changes the size that fits best, not the area
-            size = float(np.sqrt(y.area / x.area))
-            frame = Similarity.between(points[known], y.vertices[known], weights, size)
+            frame = Similarity.between(points[known], y.vertices[known], weights, places.size)
         doubts = places.doubts
         if same_pose and apart > _APART:
             doubts += (

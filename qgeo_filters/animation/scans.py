@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from qgeo_filters._typing import FloatArray
+from qgeo_filters._typing import FloatArray, RepairOption
 from qgeo_filters.animation.places import Places, places_on, warned
 from qgeo_filters.animation.poses import listed_poses
 from qgeo_filters.closest_points import closest_points
@@ -25,7 +25,9 @@ _SCAN_LENGTH = 0.03
 _NEXT, _MARKS = 0.05, 24
 
 
-def scanned_poses(reference: Surface, scans: Any, accept_unsure: bool = False) -> Iterator[FloatArray]:
+def scanned_poses(
+    reference: Surface, scans: Any, accept_unsure: bool = False, repair: RepairOption = "auto"
+) -> Iterator[FloatArray]:
     """Positions (n, 3) of the reference's vertices in each pose, of which there is a scan in any triangulation.
 
     Each scan is matched with the reference, and the reference brought onto it as rigidly as possible. Where a scan lies
@@ -36,7 +38,7 @@ def scanned_poses(reference: Surface, scans: Any, accept_unsure: bool = False) -
     ParameterError
         A scan whose match is not sure, unless that is accepted, with a warning; one that reverses the orientation.
     """
-    follower, count = ScanFollower(reference, accept_unsure), 0
+    follower, count = ScanFollower(reference, accept_unsure, repair), 0
     for count, scan in enumerate(listed_poses(scans), start=1):
         with concerning(f"pose {count - 1}"):
             positions = follower(scan, f"pose {count - 1}")
@@ -48,15 +50,16 @@ def scanned_poses(reference: Surface, scans: Any, accept_unsure: bool = False) -
 class ScanFollower:
     """Brings a reference onto one scan after the other, as `scanned_poses` says; a scan that fails leaves no trace."""
 
-    def __init__(self, reference: Surface, accept_unsure: bool = False) -> None:
-        self._prepared, self._reference, self._accept_unsure = PreparedShape(reference), reference, accept_unsure
+    def __init__(self, reference: Surface, accept_unsure: bool = False, repair: RepairOption = "auto") -> None:
+        self._reference, self._accept_unsure, self._repair = reference, accept_unsure, repair
+        self._prepared = PreparedShape(reference, repair=repair)
         self._before: FloatArray | None = None
 
     def __call__(self, scan: Any, called: str) -> FloatArray:
         """Positions (n, 3) of the reference's vertices; warnings say what the scan is called."""
         surface, _ = as_given(scan, "auto")
         marks = None if self._before is None else _marks(self._reference, self._before, surface)
-        found = match(self._prepared, surface, landmarks=marks)
+        found = match(self._prepared, surface, landmarks=marks, repair=self._repair)
         places = places_on(surface, self._reference, found, self._accept_unsure, by_landmarks=False)
         warned(f"{called}: {doubt}" for doubt in places.doubts)
         self._before = laid_onto(self._reference, surface, places, _SCAN_LENGTH)
@@ -65,7 +68,7 @@ class ScanFollower:
 
 def laid_onto(body: Surface, surface: Surface, places: Places, length: float) -> FloatArray:
     """Positions (n, 3) of a body on the surface, of any size, that it is mapped to; its own shape below a length."""
-    grown = body.with_vertices(np.sqrt(surface.area / body.area) * body.vertices)
+    grown = body.with_vertices(body.vertices / places.size)
     return posed(grown, places.on_x.pulled_back(surface.vertices), length, length)
 
 

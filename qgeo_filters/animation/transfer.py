@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
 from tqdm.auto import tqdm
 
-from qgeo_filters._typing import FloatArray
+from qgeo_filters._typing import FloatArray, RepairOption
 from qgeo_filters.animation.places import MapLike, places_on, warned
 from qgeo_filters.animation.pose_transfer import OTHER_BODY, SAME_BODY, PoseTransfer, Transfer
 from qgeo_filters.animation.poses import given_poses, given_shape
@@ -30,6 +29,7 @@ def transfer_deformation(
     scans: bool = False,
     align: bool = True,
     accept_unsure: bool = False,
+    repair: RepairOption = "auto",
     workers: int | None = None,
     progress: bool = False,
 ) -> Transfer:
@@ -59,6 +59,9 @@ def transfer_deformation(
         Whether turn, size and position of X are fitted to Y; without, both must have one frame and one size.
     accept_unsure : bool
         Whether a match that is not sure is used all the same, with a warning.
+    repair : bool, "auto", "force" or "wrap"
+        What is repaired where a match is sought, see `match`: with "wrap" raw CT, say, is matched as a closed surface
+        around it. What moves is Y as it is given, each of its vertices.
     workers : int, optional
         Threads; all cores that the process may use by default. The result does not depend on it.
     progress : bool
@@ -110,8 +113,9 @@ def transfer_deformation(
             same_body=same_body,
             align=align,
             accept_unsure=accept_unsure,
+            repair=repair,
         )
-        poses = list(tqdm(_poses(plan.x, x_poses, scans, accept_unsure), desc="poses", disable=not progress))
+        poses = list(tqdm(_poses(plan.x, x_poses, scans, accept_unsure, repair), desc="poses", disable=not progress))
         moved = [plan.moved(pose) for pose in poses]
     warned(plan.doubts)
     return plan.result([plan.frame(pose) for pose in poses], moved)
@@ -128,6 +132,7 @@ def transferred_poses(
     scans: bool = False,
     align: bool = True,
     accept_unsure: bool = False,
+    repair: RepairOption = "auto",
 ) -> Iterator[FloatArray]:
     """The poses of `transfer_deformation` one after the other, (n_y, 3) each, as they are finished.
 
@@ -151,9 +156,10 @@ def transferred_poses(
         same_body=same_body,
         align=align,
         accept_unsure=accept_unsure,
+        repair=repair,
     )
     warned(plan.doubts)
-    for pose in _poses(plan.x, x_poses, scans, accept_unsure):
+    for pose in _poses(plan.x, x_poses, scans, accept_unsure, repair):
         yield plan.moved(pose)
 
 
@@ -164,6 +170,7 @@ def transfer_pose(
     *,
     same_body: bool = False,
     accept_unsure: bool = False,
+    repair: RepairOption = "auto",
     workers: int | None = None,
 ) -> Surface:
     """Y in the pose of X, with its own shape: person B as person A stands.
@@ -172,7 +179,7 @@ def transfer_pose(
     ----------
     x, y : Surface, or whatever `as_surface` takes
         Two individuals in any pose, triangulation, position and size.
-    correspondence, same_body, accept_unsure, workers
+    correspondence, same_body, accept_unsure, repair, workers
         See `transfer_deformation`.
 
     Returns
@@ -201,14 +208,14 @@ def transfer_pose(
     """
     with default_workers(workers), single_threaded_blas:
         (pose, left_x), (body, left_y) = given_shape(x, "X"), given_shape(y, "Y")
-        places = places_on(pose, body, correspondence, accept_unsure)
-        targets = places.on_x.pulled_back(pose.vertices) * np.sqrt(body.area / pose.area)
+        places = places_on(pose, body, correspondence, accept_unsure, repair=repair)
+        targets = places.on_x.pulled_back(pose.vertices) * places.size
         moved = posed(body, targets, *(SAME_BODY if same_body else OTHER_BODY))
     notes = *(f"X: {note}" for note in left_x), *(f"Y: {note}" for note in left_y)
     warned((*notes, *places.doubts))
     share = pose.vertex_areas / pose.area
-    return body.with_vertices(moved + share @ pose.vertices * (1 - np.sqrt(body.area / pose.area)))
+    return body.with_vertices(moved + share @ pose.vertices * (1 - places.size))
 
 
-def _poses(x: Surface, poses: Any, scans: bool, accept_unsure: bool) -> Iterator[FloatArray]:
-    return scanned_poses(x, poses, accept_unsure) if scans else given_poses(x, poses)
+def _poses(x: Surface, poses: Any, scans: bool, accept_unsure: bool, repair: RepairOption) -> Iterator[FloatArray]:
+    return scanned_poses(x, poses, accept_unsure, repair) if scans else given_poses(x, poses)

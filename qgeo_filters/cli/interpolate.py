@@ -21,6 +21,7 @@ from qgeo_filters.cli.options import (
     Repair,
     Settings,
     Workers,
+    Wrap,
     repair_option,
 )
 from qgeo_filters.errors import ParameterError
@@ -42,6 +43,7 @@ def interpolate(
     output: Output = None,
     repair: Repair = None,
     force: Force = False,
+    wrap: Wrap = False,
     pictures: Pictures = True,
     also: Also = None,
     json: Json = False,
@@ -69,7 +71,7 @@ def interpolate(
     from qgeo_filters.report.shown import Shown
     from qgeo_filters.report.view import best_view
 
-    mend = repair_option(repair, force)
+    mend = repair_option(repair, force, wrap)
     files = [file for path in poses for file in mesh_files(path)]
     names = animations.animation_names(animate)
     parameters: dict[str, Any] = {

@@ -21,6 +21,7 @@ from qgeo_filters.cli.options import (
     Repair,
     Settings,
     Workers,
+    Wrap,
     repair_option,
 )
 from qgeo_filters.errors import ParameterError
@@ -63,6 +64,7 @@ def transfer(
     output: Output = None,
     repair: Repair = None,
     force: Force = False,
+    wrap: Wrap = False,
     pictures: Pictures = True,
     also: Also = None,
     json: Json = False,
@@ -95,7 +97,7 @@ def transfer(
     from qgeo_filters.report.reel import transfer_colors
     from qgeo_filters.report.shown import Shown
 
-    mend = repair_option(repair, force)
+    mend = repair_option(repair, force, wrap)
     first, *others = mesh_files(reference)
     files = [file for path in poses or () for file in mesh_files(path)] or others
     if not files:
@@ -139,7 +141,7 @@ def transfer(
     batch, followed, moved = Batch(), [], []
     with job.stage("poses"):
         warned(plan.doubts)
-        follower = ScanFollower(x, unsure) if scans else None
+        follower = ScanFollower(x, unsure, mend) if scans else None
         for file, name in zip(files, frames, strict=True):
             with batch.trying(file):
                 pose = follower(file, str(file)) if follower else given_pose(x, file)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from qgeo_filters._typing import RepairOption
 from qgeo_filters.animation.interpolate import interpolate, maps_of
 from qgeo_filters.animation.pose_transfer import Transfer
 from qgeo_filters.animation.poses import listed_poses, pose_surface, same_triangles
@@ -17,6 +18,7 @@ from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.registry import registered
 from qgeo_filters.hosts.dispatch import as_given
+from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.surface import Surface
 
 
@@ -25,7 +27,32 @@ class MovingFilter(Filter):
 
     pointwise = True  # what needs repair is repaired where the map is sought
 
+    _sought: RepairOption = "auto"
+
     outputs = {"qgeo_displacement": "(n, 3), mesh units: from where the vertex was to where it is"}
+
+    def __call__(
+        self, mesh: Any, *, repair: RepairOption = "auto", progress: bool = False, workers: int | None = None
+    ) -> Any:
+        """Mesh of the same kind elsewhere, see `Filter`; with ``repair="wrap"`` the map is sought between wraps."""
+        if repair != "wrap":
+            return super().__call__(mesh, repair=repair, progress=progress, workers=workers)
+        # What moves is the mesh that was given: what lies deep inside has no place on the wrap, and comes along.
+        self._sought = "wrap"
+        try:
+            return super().__call__(mesh, progress=progress, workers=workers)
+        finally:
+            del self._sought
+
+    def repaired_parameters(self, repair: Repair) -> dict[str, Any]:
+        """Those of `Filter`; `ParameterError` on a wrap, whose vertices are none of the mesh."""
+        if not repair.keeps_vertices:
+            name = type(self).__name__
+            raise ParameterError(
+                f"{name} moves the vertices that were given, and none of a wrap: call it alone with repair='wrap', and "
+                "the other filters with what it gives"
+            )
+        return super().repaired_parameters(repair)
 
     def moved(self, surface: Surface, progress: bool) -> np.ndarray:
         """New positions (n, 3); what a subclass implements."""
@@ -111,7 +138,9 @@ class DeformationTransfer(MovingFilter):
         self.poses = _kept(self.poses)
         found = self.correspondence
         if found is None:
-            found = stages.correspondence_of(source, surface, True, progress)
+            found = stages.correspondence_of(
+                source, surface, True, progress, repair_x=self._sought, repair_y=self._sought
+            )
         self.transfer_ = transfer_deformation(
             source,
             self.poses,
@@ -122,6 +151,7 @@ class DeformationTransfer(MovingFilter):
             scans=self.scans,
             align=self.align,
             accept_unsure=self.accept_unsure,
+            repair=self._sought,
             progress=progress,
         )
         count = len(self.transfer_)
@@ -184,7 +214,9 @@ class Interpolate(MovingFilter):
             with concerning(f"pose {k}"):
                 other, _ = pose_surface(surface, target)
             if maps[k] is None and not same_triangles(surface, other):
-                maps[k] = stages.correspondence_of(surface, other, True, progress)
+                maps[k] = stages.correspondence_of(
+                    surface, other, True, progress, repair_x=self._sought, repair_y=self._sought
+                )
         self.animation_ = interpolate(surface, targets, self.t, maps, accept_unsure=self.accept_unsure)
         return self.animation_.positions[0]
 

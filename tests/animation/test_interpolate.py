@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from shapes import arched
+from in_pieces import in_pieces
+from shapes import arched, creature
 
 import qgeo_filters as qg
 from qgeo_filters.closest_points import closest_points
@@ -26,6 +27,19 @@ def test_a_pose_in_other_triangles_is_reached_along_the_map(fine: Surface, coars
     found = qg.interpolate(fine, end, 1.0, place).positions[0]
     gaps = np.linalg.norm(found - place.pulled_back(end.vertices), axis=1)
     assert gaps.mean() < 0.01 * np.sqrt(fine.area)
+
+
+def test_between_meshes_in_pieces_the_way_goes_along_the_map_between_wraps() -> None:
+    whole = Surface(*creature(level=3))
+    x = Surface(*in_pieces(creature(level=3)))
+    y = Surface(*in_pieces((arched(whole.vertices, 0.4), whole.faces), seed=1))
+    with pytest.raises(qg.MeshError, match=r"pose 0: .*repair='wrap'"):
+        qg.interpolate(x, y, 1)
+    way = qg.interpolate(x, y, [0, 1], repair="wrap")
+    np.testing.assert_allclose(way.positions[0], x.vertices, atol=1e-6)
+    off = np.linalg.norm(way.positions[1] - arched(x.vertices, 0.4), axis=1) / np.sqrt(whole.area)
+    assert off.mean() < 0.03
+    assert off[-4:].max() < 0.1  # the sheet inside, which has no place on the wrap
 
 
 def test_a_map_is_heeded_where_the_triangles_are_the_same(fine: Surface) -> None:

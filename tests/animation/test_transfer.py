@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from in_pieces import in_pieces
 from scipy.spatial.transform import Rotation
-from shapes import arched
+from shapes import arched, creature
 
 import qgeo_filters as qg
 from qgeo_filters.barycentric import BarycentricMap
@@ -19,6 +20,7 @@ from qgeo_filters.surface import Surface
 TURN = Rotation.from_rotvec([0.4, 2.0, -1.0]).as_matrix()
 # A sample that is nearest to an edge of X may count to either of its triangles, by rounding.
 TIES = 1e-3
+SIDEWAYS = np.array([1.0, 0.0, 0.0])
 
 
 def placed(points: np.ndarray) -> np.ndarray:
@@ -159,6 +161,47 @@ def test_scans_in_any_triangulation_are_matched_first(fine: Surface, coarse: Sur
     result = qg.transfer_deformation(fine, scans, fine, np.arange(fine.n_vertices), scans=True, align=False)
     for size, pose, moved in zip((1, 3), poses, result.positions, strict=True):
         assert mean_error(moved, size * pose, fine) < 0.03 * size
+
+
+def test_what_is_refused_is_moved_by_the_map_between_wraps() -> None:
+    """In pieces, with a sheet inside that has no place on the wrap, and comes along."""
+    x, y = (Surface(*in_pieces(creature(level=3), seed)) for seed in (0, 1))
+    pose = arched(x.vertices, 0.4) + SIDEWAYS
+    with pytest.raises(qg.MeshError, match="repair='wrap'"):
+        qg.transfer_deformation(x, pose, y)
+    moved = qg.transfer_deformation(x, pose, y, repair="wrap")
+    truth, unit = arched(y.vertices, 0.4) + SIDEWAYS, Surface(*creature(level=3))
+    assert mean_error(moved.positions[0], truth, unit) < 0.01
+    assert mean_error(moved.positions[0][-4:], truth[-4:], unit) < 0.02
+    assert any("wrapped in a closed surface" in note for note in moved.notes)
+    (first,) = qg.transferred_poses(x, pose, y, repair="wrap")
+    np.testing.assert_array_equal(first, moved.positions[0])
+    again = qg.transfer_deformation(x, pose, y, qg.match(x, y, repair="wrap"))
+    np.testing.assert_array_equal(again.positions, moved.positions)
+
+
+def test_the_size_of_a_scan_with_walls_inside_is_that_of_its_wrap() -> None:
+    """Twice the area, most of it inside: a pose is taken over in the size of what can be seen."""
+    whole = Surface(*creature(level=3))
+    inner = whole.vertices * 0.9
+    walls = Surface(
+        np.concatenate([whole.vertices, inner]), np.concatenate([whole.faces, whole.faces[:, ::-1] + whole.n_vertices])
+    )
+    assert walls.area > 1.7 * whole.area
+    posed = qg.transfer_pose(walls, whole, repair="wrap", same_body=True)
+    assert posed.area == pytest.approx(whole.area, rel=0.05)
+    assert mean_error(posed.vertices - posed.vertices.mean(0), whole.vertices - whole.vertices.mean(0), whole) < 0.02
+
+
+def test_scans_are_wrapped_too() -> None:
+    x = Surface(*creature(level=3))
+    pose = arched(x.vertices, 0.2)
+    scan = in_pieces((pose, x.faces))
+    with pytest.raises(qg.MeshError, match="repair='wrap'"):
+        qg.transfer_deformation(x, [scan], x, np.arange(x.n_vertices), scans=True)
+    moved = qg.transfer_deformation(x, [scan, scan], x, np.arange(x.n_vertices), scans=True, repair="wrap", align=False)
+    for positions in moved.positions:
+        assert mean_error(positions, pose, x) < 0.03
 
 
 def test_poses_that_do_not_fit_are_refused(fine: Surface, coarse: Surface, poses: list[np.ndarray]) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from in_pieces import in_pieces
 from shapes import arched, creature
 from typer.testing import Result
 
@@ -176,3 +177,31 @@ def test_bad_input(
     assert result.exit_code == 2, result.stderr
     assert said in result.stderr
     assert "Traceback" not in result.stderr
+
+
+def test_the_advice_to_wrap_is_taken(qgeo: Qgeo, loaded: Loaded, meshes: Path) -> None:
+    """What --wrap does is what the functions do with repair="wrap", on the vertices of the files."""
+    whole = creature(level=3)
+    pieces = {name: qg.Surface(*in_pieces(whole, seed)) for seed, name in enumerate("xy")}
+    pieces["pose"] = pieces["x"].with_vertices(arched(pieces["x"].vertices, 0.4))
+    for name, surface in pieces.items():
+        surface.write(meshes / f"{name}.off")
+    x, pose, y = (qg.Surface.read(f"{name}.off") for name in ("x", "pose", "y"))
+    for command, *arguments in (
+        ("transfer", "x.off", "pose.off", "--onto", "y.off"),
+        ("interpolate", "x.off", "y.off", "--frames", 2),
+    ):
+        refused = qgeo(command, *arguments, "--no-pictures")
+        assert refused.exit_code == 2
+        assert "--wrap for a closed surface around all of it" in refused.stderr
+        taken = qgeo(command, *arguments, "--no-pictures", "--wrap", "-o", command)
+        assert taken.exit_code == 0, taken.stderr
+        assert "wrapped in a closed surface" in taken.stdout
+    content, arrays = loaded(Path("transfer"))
+    assert content["parameters"]["repair"] == "wrap"
+    np.testing.assert_allclose(
+        arrays["positions"], qg.transfer_deformation(x, [pose], y, repair="wrap").positions, atol=1e-9
+    )
+    _, arrays = loaded(Path("interpolate"))
+    way = qg.interpolate(x, y, [0, 1], qg.match(x, y, repair="wrap"))
+    np.testing.assert_allclose(arrays["positions"], way.positions, atol=1e-9)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from in_pieces import in_pieces
 from shapes import arched, creature
 
 import qgeo_filters as qg
@@ -12,6 +13,7 @@ from qgeo_filters.hosts.protocol import load_host
 X = qg.Surface(*creature(1.0, 2), {"height": creature(1.0, 2)[0][:, 2]})
 POSE = arched(X.vertices, 0.5)
 SAME = np.arange(X.n_vertices)
+SIDEWAYS = np.array([1.0, 0.0, 0.0])
 
 
 @pytest.mark.parametrize("host", ["open3d", "pymeshlab", "pyvista", "trimesh"])
@@ -63,3 +65,28 @@ def test_a_mesh_that_no_surface_can_hold_is_moved_all_the_same() -> None:
     moved = qg.Interpolate(target=X.with_vertices(POSE), t=1.0)(mesh)
     np.testing.assert_allclose(moved.vertices[:-1], POSE, atol=1e-6)
     assert moved.vertices[-1].tolist() == [9, 9, 9]  # what is gone in the repair stays where it was
+
+
+def test_on_a_wrap_it_moves_what_was_given() -> None:
+    """The map is that between wraps; what lies inside comes along, and each filter says what it cannot do there."""
+    mesh = qg.Surface(*in_pieces(creature(level=3)))
+    pose = arched(mesh.vertices, 0.4) + SIDEWAYS
+    other = qg.Surface(*in_pieces((arched(creature(level=3)[0], 0.4) + SIDEWAYS, creature(level=3)[1]), seed=1))
+    steps = (
+        qg.DeformationTransfer(source=mesh, poses=[pose]),
+        qg.Interpolate(target=other, t=1.0),
+    )
+    unit = np.sqrt(qg.Surface(*creature(level=3)).area)
+    for step in steps:
+        with pytest.raises(qg.MeshError, match="repair='wrap'"):
+            step(mesh)
+        moved = step(mesh, repair="wrap")
+        off = np.linalg.norm(moved.vertices - pose, axis=1) / unit
+        assert off.mean() < 0.03
+        assert off[-4:].max() < 0.1
+        with pytest.raises(qg.ParameterError, match="call it alone with repair='wrap'"):
+            (step | qg.Curvatures())(mesh, repair="wrap")
+    function = qg.transfer_deformation(mesh, [pose], mesh, repair="wrap")
+    np.testing.assert_allclose(steps[0](mesh, repair="wrap").vertices, function.positions[0], atol=1e-12)
+    with pytest.raises(qg.MeshError, match="repair='wrap'"):
+        steps[0](mesh)  # as before
