@@ -161,6 +161,27 @@ def everything(vertices: np.ndarray, faces: np.ndarray, random: Random) -> Messy
     return Messy(after.vertices, after.faces, messy.origin[after.origin])
 
 
+def cut_off(vertices: np.ndarray, faces: np.ndarray, random: Random) -> Messy:
+    """A tenth of the faces missing at the end that is farthest from the middle: a leg that the scanner did not see."""
+    centre = vertices[faces].mean(axis=1)
+    end = centre[np.linalg.norm(centre - vertices.mean(axis=0), axis=1).argmax()]
+    left = np.argsort(np.linalg.norm(centre - end, axis=1))[len(faces) // 10 :]
+    used, corner = np.unique(faces[np.sort(left)], return_inverse=True)
+    return Messy(vertices[used], corner.reshape(-1, 3), used)
+
+
+def pieces(vertices: np.ndarray, faces: np.ndarray, random: Random) -> Messy:
+    """Thirty pieces with borders of their own, each a little off, half of them turned over: no repair mends it."""
+    centre = vertices[faces].mean(axis=1)
+    seeds = centre[random.choice(len(faces), 30, replace=False)]
+    piece = np.linalg.norm(centre[:, None] - seeds, axis=2).argmin(axis=1)
+    pairs, corner = np.unique(np.column_stack([np.repeat(piece, 3), faces.ravel()]), axis=0, return_inverse=True)
+    size = np.linalg.norm(np.ptp(vertices, axis=0))
+    points = vertices[pairs[:, 1]] + 2e-3 * size * random.normal(size=(30, 3))[pairs[:, 0]]
+    turned = np.where((piece % 2 == 0)[:, None], corner.reshape(-1, 3)[:, ::-1], corner.reshape(-1, 3))
+    return Messy(points, turned, pairs[:, 1])
+
+
 #: By the name that stands in the table.
 MESSES: dict[str, Mess] = {
     "tidy": tidy,
@@ -175,4 +196,6 @@ MESSES: dict[str, Mess] = {
     "loose vertices, NaN, missing vertices": strays,
     "200 crumbs, 5 % of the area": crumbs,
     "crumbs, NaN, turned and doubled faces, not welded": everything,
+    "an end with a tenth of the faces cut off": cut_off,
+    "30 pieces a little apart, half of them turned over": pieces,
 }

@@ -114,7 +114,8 @@ def match(
         has, a map in the right hand is as good. "yes" finds a reversing map in any case, "no" never.
     landmarks : sequence of (int, int), pair of (k, 3) arrays, or pair of Landmarks, optional
         What is known: pairs (vertex of X, vertex of Y), or points on X and those on Y that they belong to, or
-        landmarks of equal names; to within a few edges. Even a single one steers the search. Which of them the map
+        landmarks of equal names; to within a few edges. Even a single one steers the search. One on a vertex that a
+        repair removes counts for what is left near it, and is refused where nothing is. Which of them the map
         contradicts is said in ``explanation``.
     labels : pair of array-like of int, shapes (n_x,) and (n_y,), optional
         Vertices of X and of Y with equal numbers lie in the same part; negative where that is not known.

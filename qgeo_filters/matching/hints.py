@@ -23,8 +23,8 @@ LandmarkPairs = (
 #: Number of the part that each vertex belongs to, of X and of Y; negative where that is not known.
 LabelPair = tuple[npt.ArrayLike, npt.ArrayLike]
 
-# Points farther from the surface than this are no points of it, in sqrt(area) of the surface.
-_NEAR_THE_SURFACE = 0.05
+#: Points farther from the surface than this are no points of it, in sqrt(area) of the surface.
+NEAR_THE_SURFACE = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +144,7 @@ def _nearest_vertices(name: str, surface: Surface, points: FloatArray) -> IndexA
     found = cKDTree(surface.vertices).query(points)
     gaps, nearest = np.asarray(found[0]), np.asarray(found[1], dtype=np.int64)
     # Where triangles are large, a point in the middle of one is far from every vertex.
-    far = np.flatnonzero(gaps > max(_NEAR_THE_SURFACE * np.sqrt(surface.area), surface.edge_lengths.max()))
+    far = np.flatnonzero(gaps > max(NEAR_THE_SURFACE * np.sqrt(surface.area), surface.edge_lengths.max()))
     if far.size:
         raise ParameterError(
             f"landmark {far[0]} is {gaps[far[0]]:.4g} from the nearest vertex of {name}, which is "

@@ -15,10 +15,11 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
-from qgeo_filters.matching.hints import Hints
+from qgeo_filters.errors import ParameterError
+from qgeo_filters.matching.hints import NEAR_THE_SURFACE, Hints
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape
-from qgeo_filters.validation import frozen
+from qgeo_filters.validation import frozen, listed
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,6 +150,27 @@ def working_vertices(shape: PreparedShape, vertices: IndexArray) -> IndexArray:
 def working_labels(shape: PreparedShape, labels: IndexArray) -> IndexArray:
     """Label of each vertex of the coarse shape, from those of the surface that was given."""
     return full_labels(shape, labels)[shape.full_vertices] if len(labels) else labels
+
+
+def require_landmarks_left(hints: Hints, x: PreparedShape, y: PreparedShape) -> None:
+    """Raise `ParameterError` for a landmark on what the repair removed, far from all that is left.
+
+    A vertex near the surface stands for the nearest one there: hints need be right to within a few edges only.
+    """
+    for side, (name, shape) in enumerate((("X", x), ("Y", y))):
+        if shape.repair is None or not len(hints.landmarks):
+            continue
+        vertices = hints.landmarks[:, side]
+        lost = np.flatnonzero(shape.repair.vertex_of_original[vertices] < 0)
+        gaps = np.asarray(cKDTree(shape.full.vertices).query(shape.given.vertices[vertices[lost]])[0])
+        far = gaps > NEAR_THE_SURFACE * np.sqrt(shape.full.area)
+        if far.any():
+            first = lost[far][0]
+            raise ParameterError(
+                f"landmark {first} is vertex {vertices[first]} of {name}, which had to go when that was repaired, and "
+                f"is {gaps[far][0]:.4g} from what is left of it ({far.sum()} such: {listed(lost[far])}): give "
+                "landmarks on what is matched"
+            )
 
 
 def full_vertices(shape: PreparedShape, vertices: IndexArray) -> IndexArray:

@@ -10,7 +10,7 @@ import numpy as np
 from qgeo_filters._typing import FloatArray, IndexArray, RepairOption, SingleArray
 from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.matching.hints import Hints, LabelPair, LandmarkPairs
-from qgeo_filters.matching.known_parts import KnownParts
+from qgeo_filters.matching.known_parts import KnownParts, require_landmarks_left
 from qgeo_filters.matching.level import Level
 from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.parameters import MatchingParameters
@@ -78,10 +78,11 @@ class MatchProblem:
             first = _prepared(x, chosen, repair, progress)
         with concerning("Y"):
             second = _prepared(y, chosen, repair, progress)
-        known = landmarks is not None or labels is not None
-        return cls(
-            first, second, chosen, hints=Hints.of(first.given, second.given, landmarks, labels) if known else None
-        )
+        if landmarks is None and labels is None:
+            return cls(first, second, chosen)
+        hints = Hints.of(first.given, second.given, landmarks, labels)
+        require_landmarks_left(hints, first, second)
+        return cls(first, second, chosen, hints=hints)
 
     @classmethod
     def of_reflection(

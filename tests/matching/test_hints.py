@@ -6,7 +6,8 @@ import functools
 
 import numpy as np
 import pytest
-from shapes import bent, blob, limbed
+from in_pieces import in_pieces
+from shapes import bent, blob, creature, limbed
 
 import qgeo_filters as qg
 from qgeo_filters.errors import ParameterError
@@ -196,6 +197,38 @@ BAD_LABELS = {
 def test_labels_that_cannot_be_are_refused(message: str) -> None:
     with pytest.raises(ParameterError, match=message):
         qg.match(*shapes(), labels=BAD_LABELS[message])
+
+
+def test_a_landmark_on_what_a_repair_removes_is_refused_in_a_sentence_unless_something_is_left_near_it() -> None:
+    """A crumb far away, one beside the surface, and a vertex without a face inside: each on the vertices as given."""
+    vertices, faces = creature(level=2)
+    n, x = len(vertices), Surface(vertices, faces)
+    crumbs = np.array([[5.0, 0, 0], [5.1, 0, 0], [5, 0.1, 0]]), vertices[7] + 0.01 * np.eye(3)
+    middle = np.zeros((1, 3))
+    mess = (
+        np.concatenate([vertices, *crumbs, middle]),
+        np.concatenate([faces, [[n, n + 1, n + 2], [n + 3, n + 4, n + 5]]]),
+    )
+    for vertex in (n + 1, n + 6):
+        said = (
+            rf"landmark 1 is vertex {vertex} of X, which had to go when that was repaired, and is [.\d]+ from what is "
+        )
+        with pytest.raises(ParameterError, match=said + r"left of it \(1 such: 1\)"):
+            qg.match(mess, x, landmarks=[(0, 0), (vertex, 7)])
+        with pytest.raises(ParameterError, match=f"landmark 0 is vertex {vertex} of Y"):
+            qg.match(x, mess, landmarks=[(7, vertex)])
+        with pytest.raises(ParameterError, match=f"landmark 0 is vertex {vertex} of X"):
+            qg.match(mess, x, landmarks=[(vertex, 7)], partial=True, normalize=False)
+    near, itself = (qg.match(mess, x, landmarks=[(vertex, 7)]) for vertex in (n + 4, 7))
+    np.testing.assert_array_equal(near.p2p, itself.p2p)
+    assert near.confident, near.explanation
+
+
+def test_a_landmark_deep_inside_a_wrap_is_refused_in_a_sentence() -> None:
+    mesh = in_pieces(creature(level=3))
+    n = len(mesh[0])
+    with pytest.raises(ParameterError, match=f"landmark 1 is vertex {n - 1} of Y, which had to go"):
+        qg.match(mesh, mesh, landmarks=[(0, 0), (1, n - 1)], repair="wrap")
 
 
 # -- the measure ---------------------------------------------------------------------------------------------
