@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 import shapes
 import traitlets
+from in_pieces import in_pieces
 
+import qgeo_filters as qg
 import qgeo_widgets as qw
 from qgeo_filters import Surface, distances, lifted_metric, quasi_geodesic
 from qgeo_filters.errors import ParameterError
@@ -333,6 +335,34 @@ def test_a_match_is_taken_with_its_regions_score_and_doubt(pair):
 def test_a_bad_truth_is_called_truth(pair, truth):
     widget = qw.compare(*pair[:2], p2p=pair[2], truth=truth)
     assert widget.message.startswith(("truth must be 162 vertex indices", "truth[0] is vertex 200, but Y has 162"))
+    widget.close()
+
+
+def test_what_no_repair_mends_is_shown_as_its_wrap_and_matched_again_with_landmarks():
+    whole = shapes.creature(level=2)
+    meshes = [in_pieces(whole, seed) for seed in (0, 1)]
+    refused = qw.compare(*meshes, progress=False)
+    assert "qg.wrap_surface(mesh) for a closed surface around all of it" in refused.message
+    wraps = [qg.wrap_surface(mesh) for mesh in meshes]
+    on_given = qg.match(*wraps)
+    for both in (wraps, [qg.Surface(*mesh) for mesh in meshes]):
+        assert "show the wraps: x and y are qg.wrap_surface(mesh)" in qw.compare(*both, p2p=on_given).message
+    widget = qw.compare(*wraps, progress=False)  # as the sentences advise
+    assert widget.message == ""
+    x, y = (wrap.surface for wrap in wraps)
+    assert len(widget.p2p) == x.n_vertices
+    edge = y.edge_lengths.mean()
+    tip = int(x.vertices[:, 0].argmax())
+    there = int(np.linalg.norm(y.vertices - x.vertices[tip], axis=1).argmin())
+    widget.picked, widget.second = ("x", tip), ("y", there)
+    widget.use_as_landmark()
+    assert widget.landmarks == [(tip, there)]
+    widget.match_again()
+    assert widget.message == ""
+    assert np.linalg.norm(y.vertices[widget.p2p] - x.vertices, axis=1).mean() < edge
+    one, other = colors(widget)  # carried along the map: near to each other in space, and so in colour
+    assert np.abs(other[widget.p2p] - one).mean() < 0.05
+    assert np.linalg.norm(meshes[0][0][wraps[0].origin[tip]] - x.vertices[tip]) < edge
     widget.close()
 
 

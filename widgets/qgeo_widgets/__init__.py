@@ -175,7 +175,8 @@ def compare(
     Parameters
     ----------
     x, y : mesh objects
-        What `qgeo_filters.as_surface` takes.
+        What `qgeo_filters.as_surface` takes; of raw CT and models in many pieces `qgeo_filters.wrap_surface`, the
+        surface of which is shown, picked and matched. ``wrap.origin[i]`` is the vertex of the mesh at its vertex i.
     p2p : MatchResult, or array-like of int, shape (n_x,), optional
         What `qgeo_filters.match` returned, with its regions, its score and whether it is sure; or the vertex of Y for
         each vertex of X. By default found by `qgeo_filters.match`, with a progress bar.

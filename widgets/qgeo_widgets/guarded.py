@@ -14,7 +14,11 @@ from qgeo_widgets import controls
 from qgeo_widgets.long_work import LongWork
 
 # What the library's advice calls an argument of other functions: what there is to call in a notebook.
-_ADVICE = {"repair=True": "qg.repair_surface(mesh)", "repair='force'": "qg.repair_surface(mesh, force=True)"}
+_ADVICE = {
+    "repair=True": "qg.repair_surface(mesh)",
+    "repair='force'": "qg.repair_surface(mesh, force=True)",
+    "repair='wrap'": "qg.wrap_surface(mesh)",
+}
 
 
 class GuardedWidget(ipywidgets.VBox):

@@ -244,6 +244,11 @@ class MatchingWidget(ShapeWidget):
 def _whole(found: MatchResult, x: Surface, y: Surface) -> MatchResult:
     """The match, where it is one of these shapes and maps every vertex."""
     matched, shown = (found.x.n_vertices, found.y.n_vertices), (x.n_vertices, y.n_vertices)
+    if (found.wrap_x or found.wrap_y) and (matched != shown or (found.p2p < 0).any()):
+        raise ParameterError(
+            "p2p is a match of wraps, on the vertices that were given, of which those deep inside have no partner, and "
+            "maps of all vertices alone are shown; leave it out, and show the wraps: x and y are qg.wrap_surface(mesh)"
+        )
     if matched != shown:
         raise ParameterError(
             f"p2p is a match of shapes of {matched[0]} and {matched[1]} vertices, but these have {shown[0]} and "
