@@ -14,6 +14,7 @@ from qgeo_filters.matching.match_log import CHOSEN
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.partial.distance_bounds import distance_bounds
 from qgeo_filters.matching.partial.half_turns import half_turns
+from qgeo_filters.matching.partial.part_choice import images_apart
 from qgeo_filters.matching.partial.part_shape import PartShape
 from qgeo_filters.matching.partial.partial_parameters import PartialParameters
 from qgeo_filters.matching.placement import Placement
@@ -201,6 +202,18 @@ def test_landmarks_where_surfaces_have_grown_together_speak_against_wrong_maps(w
     assert both[0] == 1
     assert both[1] == given.penalties(np.arange(len(wrong)), wrong)
     assert given.swapped().known.merged == -given.known.merged
+
+
+def test_places_that_are_found_without_hints_are_proposed_too() -> None:
+    one, other = tips()
+    given = with_landmarks(False, (one, other))  # the wrong limb
+    hinted, free = (Placement(of, PartialParameters()) for of in (given, given.with_known(None)))
+    proposed = [p2p for _, p2p in hinted.proposed()]
+    same = PartialParameters().same
+    for _, p2p in free.proposed():
+        assert min(images_apart(hinted.y, p2p, known) for known in proposed) <= same
+    exact = hinted.at_points(np.arange(body().n_vertices))
+    assert min(images_apart(hinted.y, exact, p2p) for p2p in proposed) < 0.03
 
 
 def test_what_is_found_without_hints_competes_where_surfaces_have_grown_together(
