@@ -140,6 +140,7 @@ def distances(
         if matrix is None:
             given = job.on_given(field, axis=1)
             arrays = {"distances": given if chosen else job.on_given(given)}
+            results["shape"] = list(arrays["distances"].shape)  # of what is saved, not of what was measured
         else:
             arrays = {"mean_distance": job.on_given(centrality)}
             if job.repairs[0] is not None:  # rows and columns of the matrix are the repaired mesh's

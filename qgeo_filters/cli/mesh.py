@@ -57,7 +57,8 @@ def info(
     from qgeo_filters.cli.job import Job
     from qgeo_filters.report.figures import plot_surface
 
-    mend = repair_option(repair, force, wrap)
+    # Described as it is, unless one of them is asked for.
+    mend = repair_option(repair or None, force, wrap) if repair or force or wrap else False
 
     def one(mesh: Path, settings: Settings) -> None:
         job = Job("info", settings, {"repair": mend}, [mesh], pictures=["surface"])

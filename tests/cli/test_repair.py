@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from in_pieces import in_pieces
 from shapes import blob, creature
 from typer.testing import Result
 
@@ -41,6 +42,7 @@ def test_distances_of_a_mess_are_those_of_the_clean_mesh(qgeo: Qgeo, loaded: Loa
     assert np.isinf(arrays["distances"][:, ~here]).all()  # the crumb stays, and cannot be reached
     assert any("joined with others" in line for line in content["mesh"]["repaired"])
     assert content["mesh"]["vertices_of_the_file"] == len(of_clean)
+    assert content["results"]["shape"] == [2, len(of_clean)]
     drawn = qg.Surface.read("qgeo-out/distances-mess/mess.ply")
     np.testing.assert_array_equal(drawn.attributes["qgeo_distance"], arrays["distances"].T)
     np.testing.assert_array_equal(drawn.faces, np.arange(len(of_clean)).reshape(-1, 3))
@@ -119,3 +121,31 @@ def test_a_tidy_mesh_is_not_said_to_be_repaired(qgeo: Qgeo, loaded: Loaded) -> N
     assert "repaired" not in shown.stdout
     content = json.loads(Path("qgeo-out/spectrum-sphere/result.json").read_text(encoding="utf-8"))
     assert "repaired" not in content["mesh"]
+
+
+@pytest.mark.parametrize(
+    ("command", "arguments", "per_vertex"),
+    [
+        ("info", (), None),
+        ("distances", ("-s", 0), "distances"),
+        ("path", (0, 100), None),
+        ("spectrum", ("-k", 3), "eigenfunctions"),
+        ("symmetry", (), "nearest"),
+    ],
+)
+def test_each_command_takes_a_wrap(
+    qgeo: Qgeo, loaded: Loaded, command: str, arguments: tuple[Any, ...], per_vertex: str | None
+) -> None:
+    mesh = qg.Surface(*in_pieces(creature(level=2)))
+    mesh.write("mesh.off")
+    made = qgeo(command, "mesh.off", *arguments, "--wrap", "--no-pictures", "-o", "out")
+    assert made.exit_code == 0, made.stderr
+    content, arrays = loaded(Path("out"))
+    assert content["mesh"]["vertices_of_the_file"] == mesh.n_vertices
+    assert any("wrapped in a closed surface" in line for line in content["mesh"]["repaired"])
+    if per_vertex:
+        assert mesh.n_vertices in arrays[per_vertex].shape
+    for other in ("--repair", "--force-repair"):
+        refused = qgeo(command, "mesh.off", *arguments, "--wrap", other)
+        assert refused.exit_code == 2
+        assert "--wrap is instead of" in refused.stderr
