@@ -122,7 +122,8 @@ class Filter(Estimator):
         MeshError
             For a mesh that the filter cannot take; the message names what is wrong, where and how often.
         """
-        self.repair_ = None
+        for step in (self, *single_steps(self)):
+            step.repair_ = None
         with cache.held(), default_workers(workers):
             if not checked_repair(repair):
                 surface = as_surface(mesh)

@@ -15,8 +15,7 @@ from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.geodesics import MetricFilter
 from qgeo_filters.filters.registry import registered
-from qgeo_filters.filters.repaired import repaired_values, repaired_vertices
-from qgeo_filters.hosts.dispatch import surface_and_repair
+from qgeo_filters.filters.repaired import other_mesh, repaired_values, repaired_vertices
 from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.symmetry_measure import Reading, symmetry_epsilon, symmetry_regions, symmetry_sum
@@ -187,13 +186,14 @@ class Correspondence(Filter):
         """Map, distortion and regions by attribute name."""
         if self.target is None:
             raise ParameterError("Correspondence needs the other shape: Correspondence(target=mesh)")
-        target, _ = surface_and_repair(self.target, "auto")
+        target, repair_target = other_mesh(self.target, self.repair_)
         found = stages.correspondence_of(
             surface,
             target,
             self.normalize,
             progress,
             repair_x=False,
+            repair_y=repair_target,
             partial=self.partial,
             mirror=self.mirror,
             landmarks=self.landmarks,

@@ -8,11 +8,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from qgeo_filters._typing import RepairOption
 from qgeo_filters.array_likes import as_array
 from qgeo_filters.errors import DisconnectedError, MeshError
-from qgeo_filters.hosts.given_images import images_on_given
+from qgeo_filters.hosts.dispatch import as_given
+from qgeo_filters.hosts.given_images import images_on_given, keep_vertices
 from qgeo_filters.hosts.repair import Repair, repaired_within
 from qgeo_filters.repair.triangle_soup import PIECES, most_lost
+from qgeo_filters.surface import Surface
 from qgeo_filters.validation import listed
 
 Result = TypeVar("Result")
@@ -45,6 +48,8 @@ def least_repair(mesh: Any, apply: Callable[[Repair], Result], refusal: MeshErro
 def parameters_on(repair: Repair, filters: Iterable[Any]) -> Iterator[None]:
     """Context in which parameters that are vertices of the original, or values there, are those of the repaired mesh.
 
+    Each filter knows the repair by its ``repair_`` there, and after it.
+
     Raises
     ------
     MeshError
@@ -53,6 +58,7 @@ def parameters_on(repair: Repair, filters: Iterable[Any]) -> Iterator[None]:
     changes = [(step, step.get_params(), step.repaired_parameters(repair)) for step in filters]
     try:
         for step, _, changed in changes:
+            step.repair_ = repair
             for name, value in changed.items():
                 setattr(step, name, value)
         yield
@@ -60,6 +66,19 @@ def parameters_on(repair: Repair, filters: Iterable[Any]) -> Iterator[None]:
         for step, given, changed in changes:
             for name in changed:
                 setattr(step, name, given[name])
+
+
+def other_mesh(obj: Any, repair: Repair | None) -> tuple[Surface, RepairOption]:
+    """A second mesh, on its own vertices, and what is to be repaired of it: it is wrapped where the first one was.
+
+    Parameters
+    ----------
+    obj : see `as_surface`
+    repair : Repair, optional
+        Of the first mesh.
+    """
+    asked: RepairOption = "auto" if keep_vertices(repair) else "wrap"
+    return as_given(obj, asked)[0], asked
 
 
 def carried_back(repair: Repair, values: np.ndarray, are_vertices: bool) -> np.ndarray:

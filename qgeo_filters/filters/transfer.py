@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from qgeo_filters._typing import RepairOption
 from qgeo_filters.closest_points import closest_points
 from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.registry import registered
-from qgeo_filters.hosts.dispatch import surface_and_repair
+from qgeo_filters.filters.repaired import other_mesh
 from qgeo_filters.matching.maps.barycentric import BarycentricMap
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.surface import Surface
@@ -100,17 +101,17 @@ class TransferAttributes(Filter):
         """Transferred attributes by name."""
         if self.source is None:
             raise ParameterError("TransferAttributes needs a source mesh: TransferAttributes(source=mesh)")
-        source, _ = surface_and_repair(self.source, "auto")
+        source, repair_source = other_mesh(self.source, self.repair_)
         names = self.names_ = self._wanted(source)
-        place = self._place(surface, source, progress)
+        place = self._place(surface, source, repair_source, progress)
         return {name: place.pulled_back(source.attributes[name]) for name in names}
 
-    def _place(self, surface: Surface, source: Surface, progress: bool) -> BarycentricMap:
+    def _place(self, surface: Surface, source: Surface, repair: RepairOption, progress: bool) -> BarycentricMap:
         """Point of the source for each vertex."""
         if self.correspondence is False:
             return closest_points(surface.vertices, source)
         if self.correspondence is True:
-            return stages.correspondence_of(surface, source, True, progress, partial=False).barycentric
+            return stages.correspondence_of(surface, source, True, progress, repair_y=repair, partial=False).barycentric
         place = self.correspondence.barycentric
         if len(place.faces) != surface.n_vertices or place.faces.max() >= source.n_faces:
             raise MeshError(

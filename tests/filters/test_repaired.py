@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from shapes import blob, creature, icosphere
+from in_pieces import in_pieces
+from shapes import arched, blob, creature, icosphere
 
 import qgeo_filters as qg
 from qgeo_filters.surface import Surface
@@ -126,3 +127,30 @@ def test_a_refusal_that_repair_cannot_mend_is_the_filters_own() -> None:
     with pytest.raises(qg.DisconnectedError, match="needs a mesh in one piece"):
         qg.QuasiGeodesicSpectrum(k=4)((SOUP[:-1], SOUP_FACES), repair=False)
     assert qg.QuasiGeodesicSpectrum(k=4)(icosphere(1)).n_vertices == 42
+
+
+def test_the_other_mesh_is_wrapped_too() -> None:
+    """What is matched, or gives attributes, may be as raw as the mesh itself, alone and in a pipeline."""
+    vertices, faces = creature(level=3)
+    x = qg.Surface(*in_pieces((vertices, faces)))
+    y = qg.Surface(*in_pieces((arched(vertices, 0.3), faces), seed=1))
+    y = y.with_attributes({"height": y.vertices[:, 2]})
+    found = qg.match(x, y, repair="wrap")
+    step = qg.Correspondence(target=y)
+    with pytest.raises(qg.MeshError, match="repair='wrap'"):
+        step(x)
+    for done in (step(x, repair="wrap"), (qg.Curvatures() | step)(x, repair="wrap")):
+        images = done.attributes["qgeo_correspondence"]
+        known = (images >= 0) & (found.p2p >= 0)
+        apart = np.linalg.norm(y.vertices[images[known]] - y.vertices[found.p2p[known]], axis=1)
+        assert known.mean() > 0.9
+        assert np.median(apart) < 0.03 * np.sqrt(qg.Surface(*creature(level=3)).area)
+    for transfer in (qg.TransferAttributes(source=y, correspondence=True), qg.TransferAttributes(source=y)):
+        there = transfer(x, repair="wrap").attributes["height"]
+        assert np.isfinite(there).mean() > 0.9
+    exact = arched(x.vertices, 0.3)[:, 2]
+    along = qg.TransferAttributes(source=y, correspondence=True)(x, repair="wrap").attributes["height"]
+    known = np.isfinite(along)
+    assert np.corrcoef(along[known], exact[known])[0, 1] > 0.99
+    with pytest.raises(qg.MeshError, match="repair='wrap'"):
+        step(x)  # what was repaired for a call is forgotten at the next one
