@@ -123,14 +123,15 @@ def places(table: Table, pairs: Iterator[tuple[str, qg.Surface, qg.Surface, np.n
         y = clean.setdefault(id(target), qg.PreparedShape(target))
         x = qg.PreparedShape(surface)
         placement = Placement(MatchProblem.of(y, x), PartialParameters())  # from the one without handles
-        known = np.flatnonzero(truth >= 0)
+        left = np.arange(len(truth)) if x.repair is None else x.repair.vertex_of_original
+        known = np.flatnonzero((truth >= 0) & (left >= 0))
         nearest = cKDTree(target.vertices[truth[known]]).query(target.vertices[y.full_vertices])[1]
         full = qg.match(x, y).inverse[y.full_vertices], known[nearest]
-        images = [placement.at_points(x.vertex_of_full[vertices]) for vertices in full]
+        images = [placement.at_points(x.vertex_of_full[left[vertices]]) for vertices in full]
         compared = placement.compared
         found, true = compared.placed([(compared.proposed(p2p, "given"), p2p) for p2p in images])
         errors = [
-            geodesic_error(y.full_vertices[place.map.back[x.vertex_of_full[known]]], truth[known], target).mean()
+            geodesic_error(y.full_vertices[place.map.back[x.vertex_of_full[left[known]]]], truth[known], target).mean()
             for place in (found, true)
         ]
         table.row(name, surface.genus, *(f"{error:.3f}" for error in errors), f"{found.cost / true.cost:.2g}")
