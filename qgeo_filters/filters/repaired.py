@@ -10,10 +10,11 @@ import numpy as np
 
 from qgeo_filters._typing import RepairOption
 from qgeo_filters.array_likes import as_array
-from qgeo_filters.errors import DisconnectedError, MeshError
+from qgeo_filters.errors import DisconnectedError, MeshError, ParameterError
 from qgeo_filters.hosts.dispatch import as_given
 from qgeo_filters.hosts.given_images import images_on_given, keep_vertices
 from qgeo_filters.hosts.repair import Repair, repaired_within
+from qgeo_filters.hosts.wrap import ALPHA
 from qgeo_filters.repair.triangle_soup import PIECES, most_lost
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import listed
@@ -74,11 +75,23 @@ def other_mesh(obj: Any, repair: Repair | None) -> tuple[Surface, RepairOption]:
     Parameters
     ----------
     obj : see `as_surface`
+        A `Repair` stands for the mesh that was given to it, a `Wrap` for one that is to be wrapped.
     repair : Repair, optional
         Of the first mesh.
+
+    Raises
+    ------
+    ParameterError
+        A wrap that is not the one which ``repair="wrap"`` makes.
     """
     asked: RepairOption = "auto" if keep_vertices(repair) else "wrap"
-    return as_given(obj, asked)[0], asked
+    if not isinstance(obj, Repair):
+        return as_given(obj, asked)[0], asked
+    if obj.wrap_alpha not in (0.0, ALPHA):
+        raise ParameterError(
+            f"filters wrap with alpha={ALPHA}, but this mesh was wrapped with alpha={obj.wrap_alpha:g}: match takes it"
+        )
+    return obj.given, asked if obj.keeps_vertices else "wrap"
 
 
 def carried_back(repair: Repair, values: np.ndarray, are_vertices: bool) -> np.ndarray:

@@ -154,3 +154,19 @@ def test_the_other_mesh_is_wrapped_too() -> None:
     assert np.corrcoef(along[known], exact[known])[0, 1] > 0.99
     with pytest.raises(qg.MeshError, match="repair='wrap'"):
         step(x)  # what was repaired for a call is forgotten at the next one
+
+
+def test_a_repair_stands_for_the_other_mesh_that_was_given() -> None:
+    """Vertices of the target are those that were given, of a repair and of a wrap."""
+    x = qg.Surface(*creature(level=3))
+    points, corners, of_clean = soup(arched(x.vertices, 0.3), x.faces)
+    target = qg.repair_surface((points[:-1], corners))
+    images = qg.Correspondence(target=target)(x).attributes["qgeo_correspondence"]
+    assert images.max() > x.n_vertices  # more were given than are left
+    off = np.linalg.norm(x.vertices[of_clean[images]] - x.vertices, axis=1)
+    assert off.mean() < 0.02 * np.sqrt(x.area)
+    raw = qg.Surface(*in_pieces((arched(x.vertices, 0.3), x.faces), seed=1))
+    wrapped = qg.Correspondence(target=qg.wrap_surface(raw))(x).attributes["qgeo_correspondence"]
+    np.testing.assert_array_equal(wrapped, qg.match(x, qg.wrap_surface(raw)).p2p)
+    with pytest.raises(qg.ParameterError, match=r"alpha=0.03, but this mesh was wrapped with alpha=0.05"):
+        qg.Correspondence(target=qg.wrap_surface(raw, alpha=0.05))(x)
