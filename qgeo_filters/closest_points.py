@@ -71,7 +71,7 @@ def closest_facing_points(points: FloatArray, normals: FloatArray, surface: Surf
     return faces, coordinates
 
 
-def placed(points: FloatArray, normals: FloatArray, target: Surface) -> FloatArray:
+def with_normals(points: FloatArray, normals: FloatArray, target: Surface) -> FloatArray:
     """Points with their normals (n, 6), as they are compared on a surface: in its unit of length."""
     return np.column_stack([points, _NORMAL_LENGTH * np.sqrt(target.area) * normals])
 
@@ -87,7 +87,7 @@ def nearest_facing_vertices(places: FloatArray, vertices: FloatArray, surface: S
         Whose unit of length tells how much normals count.
     """
     known, candidates = (np.flatnonzero(np.isfinite(one).all(axis=1)) for one in (places, vertices))
-    here, there = (placed(one[:, :3], one[:, 3:], surface) for one in (places[known], vertices[candidates]))
+    here, there = (with_normals(one[:, :3], one[:, 3:], surface) for one in (places[known], vertices[candidates]))
     found = np.full(len(places), -1, dtype=np.int64)
     found[known] = candidates[cKDTree(there).query(here, workers=worker_count())[1]]
     return found

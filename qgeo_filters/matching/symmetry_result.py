@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.barycentric import BarycentricMap
-from qgeo_filters.closest_points import placed
+from qgeo_filters.closest_points import with_normals
 from qgeo_filters.html_repr import card, histogram, shown
 from qgeo_filters.matching.finish import at_full_resolution
 from qgeo_filters.matching.maps.barycentric import barycentric_map
@@ -186,8 +186,8 @@ def _mirror_points(problem: MatchProblem, dense: DenseMap) -> tuple[FloatArray, 
         first, second = dense.embedding_x, dense.embedding_y
         both = np.column_stack([first, second]), np.column_stack([second, first])
         return positions, nearest_neighbors(*both)
-    here = placed(positions, x.oriented.with_vertices(full.positions).vertex_normals * flip, x.oriented)
-    there = placed(x.oriented.vertices, x.oriented.vertex_normals, x.oriented)
+    here = with_normals(positions, x.oriented.with_vertices(full.positions).vertex_normals * flip, x.oriented)
+    there = with_normals(x.oriented.vertices, x.oriented.vertex_normals, x.oriented)
     return positions, nearest_neighbors_both_ways(np.column_stack([here, there]), np.column_stack([there, here]))[0]
 
 

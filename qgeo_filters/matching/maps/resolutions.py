@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from qgeo_filters._typing import FloatArray, IndexArray
-from qgeo_filters.closest_points import placed
+from qgeo_filters.closest_points import with_normals
 from qgeo_filters.decimation import Proxy
 from qgeo_filters.matching.level import Level
 from qgeo_filters.parallel import worker_count
@@ -49,8 +49,8 @@ def carried(positions: FloatArray, x: Proxy, y: Level, target: Surface) -> Carri
     points, normals = x.pulled_back(deformed.vertices), x.pulled_back(deformed.vertex_normals)
     sizes = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.divide(normals, sizes, out=np.zeros_like(normals), where=sizes > 0)
-    here = placed(points, normals, target)
-    there = placed(target.vertices, target.vertex_normals, target)
+    here = with_normals(points, normals, target)
+    there = with_normals(target.vertices, target.vertex_normals, target)
     p2p = cKDTree(there).query(here, workers=worker_count())[1]
     inverse = cKDTree(here).query(there, workers=worker_count())[1]
     return CarriedMap(np.asarray(p2p, dtype=np.int64), np.asarray(inverse, dtype=np.int64), points)
