@@ -49,7 +49,6 @@ VARIANTS = {
         ALL, quick_margin=0.0, quick_alike=-9.0, quick_relief=-9.0, quick_distortion=9.0, quick_other_hand=0.0
     ),
     "one metric": replace(ALL, curvature_weights=ALL.curvature_weights[-1:]),
-    "no matchings of extrema": replace(ALL, extrema_hypotheses=0),
     "unlike surroundings do not count in rankings": replace(ALL, unlike_counts=0.0),
     "the relief does not count in costs": replace(ALL, end_powers=(*ALL.end_powers[:2], 0.0, *ALL.end_powers[3:])),
     "rivals on trial not taken to their end": replace(ALL, doubtful_count=0),

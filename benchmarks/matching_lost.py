@@ -4,7 +4,7 @@
 
 FOLDER is a set as `VtsDataset` reads it. The thorough search only (see `match`), between the coarse shapes; errors are
 mean distances there to the true image over sqrt(area). A candidate is right in the large if its error is below .2, a
-contender that was registered if it is below .1. The stages: candidates (after signs, extrema and mirrored maps),
+contender that was registered if it is below .1. The stages: candidates (after signs and mirrored maps),
 previewed, taken to the end, cheapest there. Beside the least error at each stage stand what the chosen map and the best
 of the right ones, or else the true map registered, cost at the end.
 """

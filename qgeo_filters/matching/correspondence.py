@@ -148,13 +148,13 @@ def match(
     (`MatchingParameters`).
 
     Coarse maps come from all choices of signs of the first eigenfunctions of the distances, in several metrics
-    (`sign_search`), grown by spectral upsampling, and from likely matchings of the ends of limbs (`extrema_maps`),
-    ranked by how much they distort distances and how unlike the parts are that they relate. A shape with a left and a
-    right has a mirrored map for every good one, which keeps distances as well: that of each map that turns the surface
-    inside out is made by the self-symmetry, and only maps that keep the orientation compete. Shapes of which neither
-    has one are searched in both hands (``mirror``). The best is the one along which X deforms with the least strain,
-    tearing and folding onto parts that are alike (`choose_map`), registered to the end (`finished`). The result does
-    not depend on the signs and order that a solver returns, nor on position and size.
+    (`sign_search`), grown by spectral upsampling, ranked by how much they distort distances and how unlike the parts
+    are that they relate. A shape with a left and a right has a mirrored map for every good one, which keeps distances
+    as well: that of each map that turns the surface inside out is made by the self-symmetry, and only maps that keep
+    the orientation compete. Shapes of which neither has one are searched in both hands (``mirror``). The best is the
+    one along which X deforms with the least strain, tearing and folding onto parts that are alike (`choose_map`),
+    registered to the end (`finished`). The result does not depend on the signs and order that a solver returns, nor on
+    position and size.
 
     Where distances are hardly kept, the ends of limbs are matched in all ways that go with the symmetries of both
     shapes, unless the map is clear (`with_limbs_matched`).

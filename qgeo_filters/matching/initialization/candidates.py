@@ -1,4 +1,4 @@
-"""Maps of farthest points to vertices that compete: hypotheses of both searches, lifted, and their mirrored maps."""
+"""Maps of farthest points to vertices that compete: hypotheses, lifted, and their mirrored maps."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from functools import partial
 import numpy as np
 
 from qgeo_filters._typing import IndexArray
-from qgeo_filters.matching.initialization.agd_extrema import extrema_maps
 from qgeo_filters.matching.initialization.hypothesis import Hypothesis
 from qgeo_filters.matching.initialization.landmark_maps import landmark_maps
 from qgeo_filters.matching.initialization.sign_search import sign_search
@@ -77,7 +76,7 @@ def candidates(problem: MatchProblem) -> list[Candidate]:
     for h in hypotheses:
         if _rank(problem, h) > bound:
             log.drop(h.number, dearer_than(problem, bound))
-    guesses = extrema_maps(problem) + landmark_maps(problem)
+    guesses = landmark_maps(problem)
     points, triangles = mapped_points(problem), _largest_triangles(problem.x, given.candidate_triangles)
     if problem.reflection:
         some = triangles[: given.rough_triangles]
