@@ -77,5 +77,7 @@ def _turned_round(problem: MatchProblem, back: list[Contender]) -> list[Contende
 
 
 def _is_doubtful(problem: MatchProblem, decision: Decision) -> bool:
-    given = problem.parameters
-    return decision.best.mean_distortion > given.hardly_isometric and decision.margin < given.limb_margin
+    """Whether shapes are hardly isometric, and the map is not clear, or could not be called sure if it were."""
+    given, distortion = problem.parameters, decision.best.mean_distortion
+    clear = decision.margin >= given.limb_margin and distortion <= given.near_isometric
+    return distortion > given.hardly_isometric and not clear

@@ -163,8 +163,15 @@ def test_nothing_is_sought_where_distances_are_kept_or_the_map_is_clear() -> Non
     of, given = problem(), problem().parameters
     kept = found(of, turned(), distortion=given.hardly_isometric)
     assert with_limbs_matched(of, kept) is kept
-    clear = found(of, turned(), margin=given.limb_margin)
+    clear = found(of, turned(), margin=given.limb_margin, distortion=given.near_isometric)
     assert with_limbs_matched(of, clear) is clear
+
+
+def test_what_is_far_from_isometric_is_not_clear_by_its_margin() -> None:
+    """A gorilla onto a woman, hands onto feet at a margin of 3.1; such a map would not be called sure in any case."""
+    of, given = problem(), problem().parameters
+    far = found(of, turned(), margin=1e300, distortion=1.01 * given.near_isometric)
+    assert error(of, with_limbs_matched(of, far).decision.best.dense.p2p) < 0.1
 
 
 def test_nothing_is_sought_without_a_symmetry() -> None:
