@@ -33,11 +33,11 @@ def finished(problem: MatchProblem, coarse: DenseMap) -> DenseMap:
 
 
 def _registered(problem: MatchProblem, coarse: DenseMap) -> DenseMap:
-    x, y, fine = problem.x, problem.y, problem.fine
+    x, y, fine, given = problem.x, problem.y, problem.fine, problem.parameters
     same = fine.x is x and fine.y is y
     start: IndexArray = coarse.p2p if same else carried(coarse.positions, x.proxy, y, y.fine_proxy.surface).p2p
     try:
-        return register(fine, start, Schedule.of(fine, problem.parameters.final))
+        return register(fine, start, Schedule.of(fine, given.grown_final if problem.more_handles else given.final))
     finally:
         fine.x.arap.release()  # 30 kB a vertex, and no match of the same X is quicker for them
 

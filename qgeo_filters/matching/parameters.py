@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from qgeo_filters.matching.reflection_parameters import ReflectionParameters
-from qgeo_filters.matching.registration_stages import COARSE_TO_FINE, FINAL, HKS_GUIDED, PREVIEW, Stages
+from qgeo_filters.matching.registration_stages import COARSE_TO_FINE, FINAL, GROWN_FINAL, HKS_GUIDED, PREVIEW, Stages
 from qgeo_filters.matching.shape_parameters import ShapeParameters
 
 
@@ -144,6 +144,8 @@ class MatchingParameters(ShapeParameters, ReflectionParameters):
     coarse_to_fine: Stages = COARSE_TO_FINE
     hks_guided: Stages = HKS_GUIDED
     final: Stages = FINAL
+    #: Best from the true places on eight merged surfaces (benchmarks/README.md, "Surfaces that have grown together").
+    grown_final: Stages = GROWN_FINAL
     #: Matchings at each size, and iterations of the very first deformation (tuning).
     matchings: int = 2
     first_iterations: int = 8

@@ -56,3 +56,5 @@ COARSE_TO_FINE: Stages = (
 HKS_GUIDED: Stages = (replace(COARSE_TO_FINE[0], hks=0.5), COARSE_TO_FINE[1])
 #: From the map of the coarse shapes to the end, on the fine ones: the second time nearer to the target.
 FINAL: Stages = (COARSE_TO_FINE[1], Stage(_SIZES, 0.03, 0.015, 0.03, full=90))
+#: The same where one shape has grown together: low frequencies are those that this changes.
+GROWN_FINAL: Stages = (replace(FINAL[1], sizes=_SIZES[-3:]),)

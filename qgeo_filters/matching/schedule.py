@@ -67,7 +67,7 @@ def _steps(problem: LevelPair, stages: Stages, start: IndexArray) -> Iterator[St
     widest = min(x.laplacian.shape[1], y.laplacian.shape[1])
     matched = start
     for number, stage in enumerate(stages):
-        sizes = [k for k in stage.sizes if k <= widest]
+        sizes = [k for k in stage.sizes if k <= widest] or [widest]
         for place, k in enumerate(sizes):
             length = stage.first * (stage.last / stage.first) ** (place / max(len(sizes) - 1, 1))
             at_the_end = number == len(stages) - 1 and k == sizes[-1]

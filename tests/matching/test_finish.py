@@ -10,7 +10,9 @@ from shapes import bent
 import qgeo_filters as qg
 from qgeo_filters.evaluation import geodesic_error
 from qgeo_filters.matching import finish
+from qgeo_filters.matching.level import LevelPair
 from qgeo_filters.matching.problem import MatchProblem
+from qgeo_filters.matching.schedule import Schedule
 from qgeo_filters.matching.smooth_shells import DenseMap
 from qgeo_filters.surface import Surface
 
@@ -36,6 +38,32 @@ def test_the_shape_with_fewer_handles_is_deformed(with_handle: bool, monkeypatch
     genera = [(pair.x.unit.genus, pair.y.unit.genus) for pair in pairs]
     between = [g for g in genera if g[0] != g[1]]  # the others are self-symmetries
     assert between == [(0, 1)] * (2 if with_handle else 1)
+
+
+@pytest.mark.parametrize(("shapes", "lowest"), [("grown onto body", 120), ("body onto grown", 120), ("alike", 20)])
+def test_what_has_grown_together_is_not_led_through_low_frequencies_at_the_end(
+    shapes: str, lowest: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Those are the functions that a handle changes."""
+    frequencies = []
+    register = finish.register
+
+    def seen(pair: LevelPair, p2p: np.ndarray, schedule: Schedule) -> DenseMap:
+        frequencies.append(min(step.k for step in schedule.steps))
+        return register(pair, p2p, schedule)
+
+    monkeypatch.setattr(finish, "register", seen)
+    pairs = {
+        "grown onto body": (grown(), body()),
+        "body onto grown": (body(), grown()),
+        "alike": (body(), Surface(bent(body().vertices, 0.2), body().faces)),
+    }
+    of = MatchProblem.of(*pairs[shapes])
+    truth = np.arange(of.x.n_vertices)
+    rows = np.zeros((len(truth), 1), np.float32)
+    end = finish.finished(of, DenseMap(truth, truth, of.y.unit.vertices, rows, rows))
+    assert frequencies[-1] == lowest
+    assert geodesic_error(end.p2p, truth, pairs[shapes][1]).mean() < 0.02
 
 
 def test_turning_a_map_round_exchanges_its_sides() -> None:
