@@ -70,6 +70,14 @@ class BarycentricMap:
         """Corner of largest weight, (n_x,); -1 where there is no point."""
         return np.take_along_axis(self.corners, self.coordinates.argmax(axis=1)[:, None], axis=1)[:, 0]
 
+    def only(self, there: npt.NDArray[np.bool_]) -> BarycentricMap:
+        """The same points, and none where this (n_x,) is False."""
+        return BarycentricMap(
+            frozen(np.where(there, self.faces, -1)),
+            frozen(np.where(there[:, None], self.corners, -1)),
+            frozen(np.where(there[:, None], self.coordinates, np.nan)),
+        )
+
     def pulled_back(self, values: npt.ArrayLike) -> np.ndarray:
         """Values of Y, (n_y, ...), at the images of the vertices of X, (n_x, ...).
 

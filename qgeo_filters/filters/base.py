@@ -134,7 +134,8 @@ class Filter(Estimator):
                     return back.made_on(mesh, as_surface(mesh))
             else:
                 back = self._on(repaired_by(mesh, repair), progress)
-        return self._written(mesh, back)
+            assert self.repair_ is not None
+        return self._written(mesh, self.repair_.given, back)
 
     def _mended(self, mesh: Any, progress: bool) -> Changes:
         """What the filter does to a mesh as it is, or, where it cannot take it, to a repaired copy."""
@@ -152,7 +153,7 @@ class Filter(Estimator):
         self.repair_ = repair
         with parameters_on(repair, single_steps(self)):
             made = Changes.between(repair.surface, self.apply(repair.surface, progress))
-        added = {name: carried_back(repair, v, name in self.index_outputs) for name, v in made.added.items()}
+        added = self.on_given(repair, made.added)
         return Changes(added, None if made.shift is None else np.nan_to_num(repair.map_back(made.shift)))
 
     def repaired_parameters(self, repair: Repair) -> dict[str, Any]:
@@ -160,14 +161,21 @@ class Filter(Estimator):
         vertices = {name: repaired_vertices(repair, name, getattr(self, name)) for name in self.index_parameters}
         return vertices | {name: repaired_values(repair, getattr(self, name)) for name in self.value_parameters}
 
-    def _written(self, mesh: Any, back: Changes) -> Any:
-        assert self.repair_ is not None
+    def on_given(self, repair: Repair, added: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Attributes at the original vertices, from those that were added at the repaired ones.
+
+        A subclass that knows them better than what a wrap, with its fewer vertices, says overrides this.
+        """
+        return {name: carried_back(repair, values, name in self.index_outputs) for name, values in added.items()}
+
+    def _written(self, mesh: Any, given: Surface, back: Changes) -> Any:
+        """The mesh after the changes; where no `Surface` can hold it, what can be held."""
         try:
             return back.made_on(mesh, as_surface(mesh))
         except MeshError:
             if is_host_mesh(mesh) and back.shift is None:
                 return write_back(mesh, None, back.added)
-            return back.made_on(self.repair_.given, self.repair_.given)
+            return back.made_on(given, given)
 
     # -- composition --------------------------------------------------------------------------------
 
@@ -229,6 +237,13 @@ class Pipeline(Composition[Filter], Filter):
         for step in self.steps:
             surface = step.apply(surface, progress)
         return surface
+
+    def on_given(self, repair: Repair, added: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Attributes at the original vertices, each by the last step that adds it."""
+        found = super().on_given(repair, {name: added[name] for name in added if name not in self.outputs})
+        for step in self.steps:
+            found |= step.on_given(repair, {name: added[name] for name in added if name in step.outputs})
+        return found
 
     def __repr__(self) -> str:
         return " | ".join(map(repr, self.steps)) if len(self.steps) > 1 else f"Pipeline({list(self.steps)!r})"

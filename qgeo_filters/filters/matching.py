@@ -15,7 +15,7 @@ from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.geodesics import MetricFilter
 from qgeo_filters.filters.registry import registered
-from qgeo_filters.filters.repaired import other_mesh, repaired_values, repaired_vertices
+from qgeo_filters.filters.repaired import other_mesh, repair_now
 from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.symmetry_measure import Reading, symmetry_epsilon, symmetry_regions, symmetry_sum
@@ -147,7 +147,8 @@ class Correspondence(Filter):
     }
 
     correspondence_: MatchResult
-    """The correspondence of the last call, with ``confident``, ``score`` and ``regions_y`` of the target."""
+    """The correspondence of the last call, on the vertices that were given, with ``confident``, ``score`` and
+    ``regions_y`` of the target."""
 
     @classmethod
     def example(cls, surface: Surface) -> Filter:
@@ -171,24 +172,14 @@ class Correspondence(Filter):
         self.landmarks = landmarks
         self.labels = labels
 
-    def repaired_parameters(self, repair: Repair) -> dict[str, Any]:
-        """Landmarks and labels on the repaired mesh."""
-        changed: dict[str, Any] = {}
-        pairs = np.asarray(self.landmarks) if isinstance(self.landmarks, (list, tuple, np.ndarray)) else np.empty(0)
-        if pairs.ndim == 2 and pairs.shape[1] == 2 and pairs.dtype.kind in "iu":
-            here = np.asarray(repaired_vertices(repair, "landmarks", pairs[:, 0]))
-            changed["landmarks"] = np.column_stack([here, pairs[:, 1]])
-        if self.labels is not None:
-            changed["labels"] = (repaired_values(repair, self.labels[0]), self.labels[1])
-        return changed
-
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
         """Map, distortion and regions by attribute name."""
         if self.target is None:
             raise ParameterError("Correspondence needs the other shape: Correspondence(target=mesh)")
         target, repair_target = other_mesh(self.target, self.repair_)
+        shape = repair_now(self.repair_, surface)
         found = stages.correspondence_of(
-            surface,
+            shape,
             target,
             self.normalize,
             progress,
@@ -200,8 +191,13 @@ class Correspondence(Filter):
             labels=self.labels,
         )
         self.correspondence_ = found
-        return {
-            "qgeo_correspondence": found.p2p,
-            "qgeo_distortion": found.distortion,
-            "qgeo_region": found.regions_x,
-        }
+        here = shape.origin if isinstance(shape, Repair) else slice(None)
+        return {name: values[here] for name, values in _attributes(found).items()}
+
+    def on_given(self, repair: Repair, added: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """What the match says of the vertices that were given."""
+        return {name: values for name, values in _attributes(self.correspondence_).items() if name in added}
+
+
+def _attributes(found: MatchResult) -> dict[str, np.ndarray]:
+    return {"qgeo_correspondence": found.p2p, "qgeo_distortion": found.distortion, "qgeo_region": found.regions_x}

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
 
 from qgeo_filters._typing import RepairOption
 from qgeo_filters.array_likes import as_array
-from qgeo_filters.errors import DisconnectedError, MeshError, ParameterError
+from qgeo_filters.errors import DisconnectedError, MeshError
 from qgeo_filters.hosts.dispatch import as_given
 from qgeo_filters.hosts.given_images import images_on_given, keep_vertices
 from qgeo_filters.hosts.repair import Repair, repaired_within
-from qgeo_filters.hosts.wrap import ALPHA
 from qgeo_filters.repair.triangle_soup import PIECES, most_lost
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import listed
@@ -69,29 +69,37 @@ def parameters_on(repair: Repair, filters: Iterable[Any]) -> Iterator[None]:
                 setattr(step, name, given[name])
 
 
-def other_mesh(obj: Any, repair: Repair | None) -> tuple[Surface, RepairOption]:
-    """A second mesh, on its own vertices, and what is to be repaired of it: it is wrapped where the first one was.
+def other_mesh(obj: Any, repair: Repair | None) -> tuple[Surface | Repair, RepairOption]:
+    """A second mesh, and what is to be repaired of it: it is wrapped where the first one was.
 
     Parameters
     ----------
     obj : see `as_surface`
-        A `Repair` stands for the mesh that was given to it, a `Wrap` for one that is to be wrapped.
+        A `Repair` stands as it is, for the mesh that was given to it.
     repair : Repair, optional
         Of the first mesh.
-
-    Raises
-    ------
-    ParameterError
-        A wrap that is not the one which ``repair="wrap"`` makes.
     """
+    if isinstance(obj, Repair):
+        return obj, False
     asked: RepairOption = "auto" if keep_vertices(repair) else "wrap"
-    if not isinstance(obj, Repair):
-        return as_given(obj, asked)[0], asked
-    if obj.wrap_alpha not in (0.0, ALPHA):
-        raise ParameterError(
-            f"filters wrap with alpha={ALPHA}, but this mesh was wrapped with alpha={obj.wrap_alpha:g}: match takes it"
-        )
-    return obj.given, asked if obj.keeps_vertices else "wrap"
+    return as_given(obj, asked)[0], asked
+
+
+def repair_now(repair: Repair | None, surface: Surface) -> Surface | Repair:
+    """What a filter works on, with the mesh that was given: moved as steps before it moved the repaired one.
+
+    Parameters
+    ----------
+    repair : Repair, optional
+    surface : Surface
+        That which ``repair`` made, with attributes of its own, and maybe elsewhere.
+    """
+    if repair is None or not np.array_equal(surface.faces, repair.surface.faces):  # that of another mesh, before
+        return surface
+    if np.array_equal(surface.vertices, repair.surface.vertices):
+        return repair
+    shift = np.nan_to_num(repair.map_back(surface.vertices - repair.surface.vertices))
+    return replace(repair, given=repair.given.with_vertices(repair.given.vertices + shift), surface=surface)
 
 
 def carried_back(repair: Repair, values: np.ndarray, are_vertices: bool) -> np.ndarray:

@@ -19,7 +19,8 @@ from qgeo_filters.fingerprint import content_key
 from qgeo_filters.geodesics.matrix import distance_matrix
 from qgeo_filters.geodesics.methods import method_named
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
-from qgeo_filters.hosts.repair import needs_repair
+from qgeo_filters.hosts.repair import Repair, needs_repair
+from qgeo_filters.hosts.wrap import Wrap, wrap_surface
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.hints import Hints, LabelPair, LandmarkPairs
 from qgeo_filters.matching.match_result import MatchResult
@@ -117,18 +118,28 @@ def laplacian_spectrum_of(surface: Surface, k: int) -> Spectrum:
     return cache.get(key, lambda: laplacian_spectrum(surface, k))
 
 
+def wrap_of(surface: Surface) -> Wrap:
+    """The closed surface around a mesh, see `wrap_surface`."""
+    return cache.get(content_key("wrap", surface.vertices, surface.faces), lambda: wrap_surface(surface))
+
+
 def prepared_shape_of(
-    surface: Surface, progress: bool = False, workers: int | None = None, repair: RepairOption = "auto"
+    shape: Surface | Repair, progress: bool = False, workers: int | None = None, repair: RepairOption = "auto"
 ) -> PreparedShape:
-    """The surface prepared for matching, see `PreparedShape`; it shares its distances with the other stages."""
-    repair = _needed(surface, repair)
-    key = content_key("prepared_shape", surface.vertices, surface.faces, MatchingParameters(), repair)
+    """The shape prepared for matching, see `PreparedShape`; it shares its distances with the other stages.
+
+    A `Repair` stands as it is, and shares all that is expensive with the surface that it made.
+    """
+    shape, repair = _mended(shape, repair)
+    key = content_key("prepared_shape", *_content(shape), MatchingParameters(), repair)
     matrix = partial(matrix_of, method="graph", accuracy=1e-3, progress=progress)
-    return _kept(
-        key,
-        lambda: PreparedShape(surface, parameters=MatchingParameters(), matrix=matrix, repair=repair).prepare(),
-        workers=workers,
-    )
+
+    def prepared() -> PreparedShape:
+        if isinstance(shape, Repair):
+            return prepared_shape_of(shape.surface, progress, repair=False).standing_for(shape)
+        return PreparedShape(shape, parameters=MatchingParameters(), matrix=matrix, repair=repair).prepare()
+
+    return _kept(key, prepared, workers=workers)
 
 
 def symmetry_of(surface: Surface, progress: bool = False, workers: int | None = None) -> Symmetry:
@@ -138,8 +149,8 @@ def symmetry_of(surface: Surface, progress: bool = False, workers: int | None = 
 
 
 def correspondence_of(
-    x: Surface,
-    y: Surface,
+    x: Surface | Repair,
+    y: Surface | Repair,
     normalize: bool,
     progress: bool = False,
     workers: int | None = None,
@@ -151,20 +162,21 @@ def correspondence_of(
     landmarks: LandmarkPairs | None = None,
     labels: LabelPair | None = None,
 ) -> MatchResult:
-    """Correspondence of two surfaces, see `match`."""
-    hints = Hints.of(x, y, landmarks, labels)
+    """Correspondence of two shapes, see `match`: on the vertices that were given, of a `Repair` too."""
+    (x, repair_x), (y, repair_y) = _mended(x, repair_x), _mended(y, repair_y)
+    hints = Hints.of(_given(x), _given(y), landmarks, labels)
     checked_mirror(mirror)
-    repair_x, repair_y = _needed(x, repair_x), _needed(y, repair_y)
-    as_part = matched_as_part(x, y, partial, normalize)
-    if partial == "auto" and not as_part and not may_be_part(x, y):
+    full_x, full_y = _full(x), _full(y)
+    as_part = matched_as_part(full_x, full_y, partial, normalize)
+    if partial == "auto" and not as_part and not may_be_part(full_x, full_y):
         partial = False  # the same match
     if not normalize and not as_part:
-        check_same_size(x, y)  # before shapes are prepared
+        check_same_size(full_x, full_y)  # before shapes are prepared
 
-    def prepared(surface: Surface, repair: RepairOption) -> PreparedShape:
+    def prepared(shape: Surface | Repair, repair: RepairOption) -> PreparedShape:
         if as_part:  # which needs no distances between all vertices
-            return PreparedShape(surface, parameters=MatchingParameters(), repair=repair)
-        return prepared_shape_of(surface, progress, repair=repair)
+            return PreparedShape(shape, parameters=MatchingParameters(), repair=repair)
+        return prepared_shape_of(shape, progress, repair=repair)
 
     def compute() -> MatchResult:
         return match(
@@ -177,16 +189,39 @@ def correspondence_of(
             labels=labels and hints.labels,
         )
 
-    shapes = x.vertices, x.faces, y.vertices, y.faces, repair_x, repair_y
+    shapes = *_content(x), *_content(y), repair_x, repair_y
     key = content_key(
         "correspondence", *shapes, normalize, partial, mirror, MatchingParameters(), hints.landmarks, *hints.labels
     )
     return _kept(key, compute, workers=workers)
 
 
-def _needed(surface: Surface, repair: RepairOption) -> RepairOption:
-    """The option, one and the same for a surface that "auto" leaves as it is and one that is not to be repaired."""
-    return False if repair == "auto" and not needs_repair(surface) else repair
+def _mended(shape: Surface | Repair, repair: RepairOption) -> tuple[Surface | Repair, RepairOption]:
+    """The shape, as a wrap where one is asked for, and what is still to be repaired.
+
+    One and the same for a surface that "auto" leaves as it is and one that is not to be repaired.
+    """
+    if isinstance(shape, Repair):
+        return shape, False
+    if repair == "wrap":
+        return wrap_of(shape), False
+    return shape, False if repair == "auto" and not needs_repair(shape) else repair
+
+
+def _given(shape: Surface | Repair) -> Surface:
+    return shape.given if isinstance(shape, Repair) else shape
+
+
+def _full(shape: Surface | Repair) -> Surface:
+    return shape.surface if isinstance(shape, Repair) else shape
+
+
+def _content(shape: Surface | Repair) -> tuple[np.ndarray | float, ...]:
+    """What a key knows a shape by."""
+    if isinstance(shape, Surface):
+        return shape.vertices, shape.faces
+    made = shape.surface.vertices, shape.surface.faces, shape.origin, shape.vertex_of_original, shape.wrap_alpha
+    return shape.given.vertices, shape.given.faces, *made
 
 
 def _kept(key: str, compute: Callable[[], Result], workers: int | None) -> Result:

@@ -13,7 +13,8 @@ from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
 from qgeo_filters.filters.registry import registered
-from qgeo_filters.filters.repaired import other_mesh
+from qgeo_filters.filters.repaired import other_mesh, repair_now
+from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.matching.maps.barycentric import BarycentricMap
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.surface import Surface
@@ -59,6 +60,9 @@ class TransferAttributes(Filter):
     names_: list[str]
     """Attributes that the last call transferred."""
 
+    values_: dict[str, np.ndarray]
+    """Their values at the vertices that were given."""
+
     def __init__(
         self,
         *,
@@ -102,20 +106,37 @@ class TransferAttributes(Filter):
         if self.source is None:
             raise ParameterError("TransferAttributes needs a source mesh: TransferAttributes(source=mesh)")
         source, repair_source = other_mesh(self.source, self.repair_)
-        names = self.names_ = self._wanted(source)
-        place = self._place(surface, source, repair_source, progress)
-        return {name: place.pulled_back(source.attributes[name]) for name in names}
+        surface_of_source = source.given if isinstance(source, Repair) else source
+        self.names_ = self._wanted(surface_of_source)
+        shape = repair_now(self.repair_, surface)
+        place = self._place(shape, source, repair_source, progress)
+        self.values_ = {name: self._pulled_back(place, surface_of_source.attributes[name]) for name in self.names_}
+        here = shape.origin if isinstance(shape, Repair) else slice(None)
+        return {name: values[here] for name, values in self.values_.items()}
 
-    def _place(self, surface: Surface, source: Surface, repair: RepairOption, progress: bool) -> BarycentricMap:
-        """Point of the source for each vertex."""
-        if self.correspondence is False:
-            return closest_points(surface.vertices, source)
+    def on_given(self, repair: Repair, added: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """The values at the points that belong to the vertices that were given."""
+        return {name: values for name, values in self.values_.items() if name in added}
+
+    def _pulled_back(self, place: BarycentricMap, values: np.ndarray) -> np.ndarray:
+        """Values at the points, of a kind that has something to say where a vertex had to go, as `Repair.map_back`."""
+        signed = self.repair_ is not None and values.dtype.kind == "u"
+        return place.pulled_back(values.astype(np.int64) if signed else values)
+
+    def _place(
+        self, shape: Surface | Repair, source: Surface | Repair, repair: RepairOption, progress: bool
+    ) -> BarycentricMap:
+        """Point of the source for each vertex that was given."""
         if self.correspondence is True:
-            return stages.correspondence_of(surface, source, True, progress, repair_y=repair, partial=False).barycentric
+            return stages.correspondence_of(shape, source, True, progress, repair_y=repair, partial=False).barycentric
+        surface, onto = (one.given if isinstance(one, Repair) else one for one in (shape, source))
+        if self.correspondence is False:
+            place = closest_points(surface.vertices, onto)
+            return place if isinstance(shape, Surface) else place.only(shape.vertex_of_original >= 0)
         place = self.correspondence.barycentric
-        if len(place.faces) != surface.n_vertices or place.faces.max() >= source.n_faces:
+        if len(place.faces) != surface.n_vertices or place.faces.max() >= onto.n_faces:
             raise MeshError(
                 f"the correspondence maps {len(place.faces)} vertices to triangles up to {place.faces.max()}, but the "
-                f"mesh has {surface.n_vertices} vertices and the source {source.n_faces} triangles"
+                f"mesh has {surface.n_vertices} vertices and the source {onto.n_faces} triangles"
             )
         return place

@@ -12,7 +12,7 @@ has it from CGAL.
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -192,13 +192,8 @@ def _wrap(given: Surface, surface: Surface, sound: SoundMesh, alpha: float, said
     places = closest_points(vertices, surface)
     gap = np.linalg.norm(places.pulled_back(surface.vertices) - vertices, axis=1)
     off = np.isin(np.arange(len(vertices)), used, invert=True) | (gap > alpha * _diagonal(sound))
-    places = replace(
-        places,
-        faces=frozen(np.where(off, -1, places.faces)),
-        corners=frozen(np.where(off[:, None], -1, places.corners)),
-        coordinates=frozen(np.where(off[:, None], np.nan, places.coordinates)),
-    )
-    nearest = np.where(off, -1, places.nearest_corner)
+    places = places.only(~off)
+    nearest = places.nearest_corner
     face_origin = closest_points(surface.vertices[surface.faces].mean(axis=1), Surface(vertices, faces)).faces
     report = [*sound.notes, _sentence(sound, surface, alpha), *said]
     if off.any():

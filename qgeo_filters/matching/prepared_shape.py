@@ -17,6 +17,7 @@ from qgeo_filters.decimation import Proxy, decimated
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.geodesics.metric import LiftedMetric
 from qgeo_filters.hosts.dispatch import SurfaceLike, surface_and_repair
+from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.matching.fine_shape import FineShape
 from qgeo_filters.matching.intrinsic_shape import IntrinsicShape, MetricEmbedding
 from qgeo_filters.matching.level import Level, reflected
@@ -133,6 +134,16 @@ class PreparedShape(Level):
         _ = self.spectrum, self.fps_distances, self.laplacian, self.log_hks, self.smoothed_mean_curvature, self.relief
         _ = self.normals, self.fine.normals, self.fine.laplacian
         return self
+
+    def standing_for(self, repair: Repair) -> PreparedShape:
+        """The same shape for the mesh whose repair it is: results are on the vertices that were given."""
+        check_matchable(repair.surface, self.parameters, repaired=True)
+        other = object.__new__(PreparedShape)
+        # Not what refers to the shape itself, which is another one.
+        own = {"mirrored", "fine"} if self.fine is self else {"mirrored"}
+        other.__dict__.update({name: value for name, value in self.__dict__.items() if name not in own})
+        other.given, other.repair, other.full = repair.given, repair, repair.surface
+        return other
 
     @property
     def embeddings(self) -> tuple[MetricEmbedding, ...]:

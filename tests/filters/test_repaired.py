@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from in_pieces import in_pieces
 from shapes import arched, blob, creature, icosphere
 
 import qgeo_filters as qg
+from qgeo_filters.closest_points import closest_points
+from qgeo_filters.filters.repaired import repair_now
 from qgeo_filters.surface import Surface
 
 V, F = blob(2)
@@ -23,6 +27,7 @@ def soup(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarra
     return points, own, np.concatenate([where, np.full(4, -1)])
 
 
+ASIDE = np.array([1.0, 2, 3])
 SOUP, SOUP_FACES, OF_CLEAN = soup(V, F)
 HERE = OF_CLEAN >= 0
 
@@ -108,17 +113,50 @@ def test_vertices_among_the_results_are_those_of_the_given_mesh() -> None:
 
 
 def test_hints_of_a_correspondence_are_vertices_of_the_given_mesh() -> None:
-    """The repaired mesh is numbered otherwise; the target, a mess too, keeps its numbers."""
+    """As for match, and taken and refused as there: one on a crumb beside the surface, and one on a crumb far away."""
+    vertices, faces = creature(level=2)
+    points, corners, of_clean = soup(vertices, faces)
+    points[-4:-1] = vertices[7] + 0.01 * np.eye(3)  # the crumb
+    far = len(points)
+    points = np.concatenate([points[:-1], [[0, 0, 0]], CRUMB])
+    mess, target = (points, np.concatenate([corners, [[far, far + 1, far + 2]]])), Surface(vertices, faces)
+    labels = np.where(of_clean >= 0, of_clean % 3 // 2, -1)
+    hints: list[dict[str, Any]] = [
+        {"landmarks": [(far - 2, 7)]},
+        {"landmarks": (points[[900, 17]], vertices[of_clean[[900, 17]]])},
+        {"labels": (np.append(labels, [-1, -1, -1]), np.arange(len(vertices)) % 3 // 2)},
+    ]
+    for hint in hints:
+        step = qg.Correspondence(target=target, **hint)
+        found, wanted = step(mess).attributes, qg.match(mess, target, **hint)
+        assert step.repair_ is not None
+        np.testing.assert_array_equal(found["qgeo_correspondence"], wanted.p2p)
+        np.testing.assert_array_equal(found["qgeo_distortion"], wanted.distortion)
+        np.testing.assert_array_equal(step.correspondence_.landmark_errors, wanted.landmark_errors)
+    for vertex in (far - 1, far + 1):
+        said = []
+        for refused in (qg.match, lambda x, y, landmarks: qg.Correspondence(target=y, landmarks=landmarks)(x)):
+            with pytest.raises(
+                qg.ParameterError, match=f"landmark 1 is vertex {vertex} of X, which had to go"
+            ) as error:
+                refused(mess, target, landmarks=[(0, int(of_clean[0])), (vertex, 7)])
+            said.append(str(error.value))
+        assert said[0] == said[1]
+    with pytest.raises(qg.ParameterError, match="landmark 0 is vertex 9999 of X, which has"):
+        qg.Correspondence(target=target, landmarks=[(9999, 7)])(mess)
+
+
+def test_a_repair_goes_where_steps_before_have_moved_the_mesh() -> None:
     repair = qg.repair_surface((SOUP, SOUP_FACES))
-    labels = np.where(HERE, OF_CLEAN % 3, -1)
-    step = qg.Correspondence(target=(V, F), landmarks=[(900, 3), (17, 5)], labels=(labels, np.arange(N) % 3))
-    changed = step.repaired_parameters(repair)
-    np.testing.assert_array_equal(OF_CLEAN[repair.origin[changed["landmarks"][:, 0]]], OF_CLEAN[[900, 17]])
-    np.testing.assert_array_equal(changed["landmarks"][:, 1], [3, 5])
-    np.testing.assert_array_equal(changed["labels"][0], OF_CLEAN[repair.origin] % 3)
-    assert changed["labels"][1] is step.labels[1]
-    points = qg.Correspondence(target=(V, F), landmarks=(V[:4], V[:4]))
-    assert points.repaired_parameters(repair) == {}
+    assert repair_now(None, repair.surface) is repair.surface
+    assert repair_now(repair, repair.surface.with_attributes({"one": np.ones(N)})) is repair
+    moved = repair_now(repair, repair.surface.with_vertices(repair.surface.vertices + ASIDE))
+    assert isinstance(moved, qg.Repair)
+    np.testing.assert_allclose(moved.given.vertices[HERE], SOUP[HERE] + ASIDE)
+    np.testing.assert_allclose(moved.given.vertices[~HERE][:3], CRUMB)  # what is gone stays, as it does in the end
+    np.testing.assert_allclose(moved.surface.vertices, repair.surface.vertices + ASIDE)
+    other = Surface(V, F[::-1])
+    assert repair_now(repair, other) is other  # a filter that repaired a mesh before is applied to another one
 
 
 def test_a_refusal_that_repair_cannot_mend_is_the_filters_own() -> None:
@@ -139,19 +177,28 @@ def test_the_other_mesh_is_wrapped_too() -> None:
     step = qg.Correspondence(target=y)
     with pytest.raises(qg.MeshError, match="repair='wrap'"):
         step(x)
+    # At the resolution of the mesh, not of the wrap, alone and after other steps.
     for done in (step(x, repair="wrap"), (qg.Curvatures() | step)(x, repair="wrap")):
-        images = done.attributes["qgeo_correspondence"]
-        known = (images >= 0) & (found.p2p >= 0)
-        apart = np.linalg.norm(y.vertices[images[known]] - y.vertices[found.p2p[known]], axis=1)
-        assert known.mean() > 0.9
-        assert np.median(apart) < 0.03 * np.sqrt(qg.Surface(*creature(level=3)).area)
-    for transfer in (qg.TransferAttributes(source=y, correspondence=True), qg.TransferAttributes(source=y)):
-        there = transfer(x, repair="wrap").attributes["height"]
-        assert np.isfinite(there).mean() > 0.9
-    exact = arched(x.vertices, 0.3)[:, 2]
-    along = qg.TransferAttributes(source=y, correspondence=True)(x, repair="wrap").attributes["height"]
-    known = np.isfinite(along)
-    assert np.corrcoef(along[known], exact[known])[0, 1] > 0.99
+        np.testing.assert_array_equal(done.attributes["qgeo_correspondence"], found.p2p)
+        np.testing.assert_array_equal(done.attributes["qgeo_distortion"], found.distortion)
+        np.testing.assert_array_equal(done.attributes["qgeo_region"], found.regions_x)
+    height = y.attributes["height"]
+    for correspondence in (True, found):
+        along = qg.TransferAttributes(source=y, correspondence=correspondence)
+        np.testing.assert_array_equal(
+            along(x, repair="wrap").attributes["height"], found.barycentric.pulled_back(height)
+        )
+    nearest = qg.TransferAttributes(source=y)(x, repair="wrap").attributes["height"]
+    inside = found.p2p < 0
+    np.testing.assert_array_equal(nearest[~inside], closest_points(x.vertices, y).pulled_back(height)[~inside])
+    assert np.isnan(nearest[inside]).all()
+    # Steps that follow see the values of the nearest vertex; a kind without a value for "none" gets one.
+    rgb = y.with_attributes({"red": (np.arange(y.n_vertices) % 256).astype(np.uint8)})
+    both = qg.TransferAttributes(source=rgb, names="red") | qg.Paint(attribute="red")
+    done = both(x, repair="wrap").attributes
+    assert done["red"].dtype == np.int64
+    assert (done["red"][inside] == -1).all()
+    assert np.isfinite(done["colors"][~inside]).all()
     with pytest.raises(qg.MeshError, match="repair='wrap'"):
         step(x)  # what was repaired for a call is forgotten at the next one
 
@@ -168,5 +215,6 @@ def test_a_repair_stands_for_the_other_mesh_that_was_given() -> None:
     raw = qg.Surface(*in_pieces((arched(x.vertices, 0.3), x.faces), seed=1))
     wrapped = qg.Correspondence(target=qg.wrap_surface(raw))(x).attributes["qgeo_correspondence"]
     np.testing.assert_array_equal(wrapped, qg.match(x, qg.wrap_surface(raw)).p2p)
-    with pytest.raises(qg.ParameterError, match=r"alpha=0.03, but this mesh was wrapped with alpha=0.05"):
-        qg.Correspondence(target=qg.wrap_surface(raw, alpha=0.05))(x)
+    finer = qg.wrap_surface(raw, alpha=0.02)
+    images = qg.Correspondence(target=finer)(x).attributes["qgeo_correspondence"]
+    np.testing.assert_array_equal(images, qg.match(x, finer).p2p)
