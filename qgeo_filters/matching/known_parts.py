@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 
 from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.matching.hints import NEAR_THE_SURFACE, Hints
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.prepared_shape import PreparedShape
@@ -153,34 +154,45 @@ def working_labels(shape: PreparedShape, labels: IndexArray) -> IndexArray:
 
 
 def require_landmarks_left(hints: Hints, x: PreparedShape, y: PreparedShape) -> None:
-    """Raise `ParameterError` for a landmark on what the repair removed, far from all that is left.
+    """Raise `ParameterError` for a landmark on what the repair removed, far from all that is left."""
+    for side, (name, shape) in enumerate((("X", x), ("Y", y))):
+        if shape.repair is not None:
+            landmarks_left(shape.repair, hints.landmarks[:, side], name)
+
+
+def landmarks_left(repair: Repair, vertices: IndexArray, name: str) -> IndexArray:
+    """Vertices of the repaired surface for landmarks on the one that was given, the nearest for lost ones near it.
 
     A vertex near the surface stands for the nearest one there: hints need be right to within a few edges only.
+
+    Raises
+    ------
+    ParameterError
+        One on what the repair removed, far from all that is left.
     """
-    for side, (name, shape) in enumerate((("X", x), ("Y", y))):
-        if shape.repair is None or not len(hints.landmarks):
-            continue
-        vertices = hints.landmarks[:, side]
-        lost = np.flatnonzero(shape.repair.vertex_of_original[vertices] < 0)
-        gaps = np.asarray(cKDTree(shape.full.vertices).query(shape.given.vertices[vertices[lost]])[0])
-        far = gaps > NEAR_THE_SURFACE * np.sqrt(shape.full.area)
-        if far.any():
-            first = lost[far][0]
-            raise ParameterError(
-                f"landmark {first} is vertex {vertices[first]} of {name}, which had to go when that was repaired, and "
-                f"is {gaps[far][0]:.4g} from what is left of it ({far.sum()} such: {listed(lost[far])}): give "
-                "landmarks on what is matched"
-            )
+    lost = np.flatnonzero(repair.vertex_of_original[vertices] < 0)
+    gaps = np.asarray(cKDTree(repair.surface.vertices).query(repair.given.vertices[vertices[lost]])[0])
+    far = gaps > NEAR_THE_SURFACE * np.sqrt(repair.surface.area)
+    if far.any():
+        first = lost[far][0]
+        raise ParameterError(
+            f"landmark {first} is vertex {vertices[first]} of {name}, which had to go when that was repaired, and "
+            f"is {gaps[far][0]:.4g} from what is left of it ({far.sum()} such: {listed(lost[far])}): give "
+            "landmarks on what is matched"
+        )
+    return _nearest_left(repair, vertices)
 
 
 def full_vertices(shape: PreparedShape, vertices: IndexArray) -> IndexArray:
     """Vertices of the repaired surface for some of the one that was given, the nearest for lost ones."""
-    if shape.repair is None:
-        return vertices
-    found = shape.repair.vertex_of_original[vertices].astype(np.int64)
+    return vertices if shape.repair is None else _nearest_left(shape.repair, vertices)
+
+
+def _nearest_left(repair: Repair, vertices: IndexArray) -> IndexArray:
+    found = repair.vertex_of_original[vertices].astype(np.int64)
     lost = found < 0
     if lost.any():
-        found[lost] = cKDTree(shape.full.vertices).query(shape.given.vertices[vertices[lost]])[1]
+        found[lost] = cKDTree(repair.surface.vertices).query(repair.given.vertices[vertices[lost]])[1]
     return found
 
 

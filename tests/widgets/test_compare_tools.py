@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import base64
+
 import numpy as np
 import pytest
+import shapes
 
 import qgeo_filters as qg
 import qgeo_widgets as qw
@@ -112,6 +115,36 @@ def test_landmarks_are_saved_and_loaded(widget, pair, tmp_path):
     with pytest.raises(ValueError, match="one file of pairs, or one of landmarks for X and one for Y"):
         widget.load_landmarks(*["a"] * 3)
     assert len(widget.landmarks) == 2
+
+
+def test_landmarks_in_files_are_vertices_of_the_meshes_that_were_given(tmp_path):
+    """Whatever repair is shown: commands and functions mean those; a lost one is taken or refused as there."""
+    vertices, faces = shapes.creature(level=2)
+    n, loose = len(vertices), np.array([[0.0, 0, 0], vertices[7] * 1.001])
+    mess = np.concatenate([loose, vertices[::-1]]), n + 1 - faces  # two vertices without a face come first
+    repair, whole = qg.repair_surface(mess), qg.Surface(vertices, faces)
+    assert repair.surface.n_vertices == n
+    widget = qw.compare(repair, whole, p2p=np.arange(n)[::-1])
+    widget.picked = ("x", n - 1 - 7)
+    widget.use_as_landmark()
+    assert widget.landmarks == [(n - 1 - 7, 7)]
+    widget.save_landmarks(tmp_path / "pairs.csv")
+    assert (tmp_path / "pairs.csv").read_text() == f"x_vertex,y_vertex\n{n + 1 - 7},7\n"
+    assert base64.b64encode((tmp_path / "pairs.csv").read_bytes()).decode() in widget._list._save.value
+    for vertex, taken in ((n + 1 - 7, True), (1, True), (0, False)):
+        widget.landmarks = []
+        (tmp_path / "pairs.csv").write_text(f"{vertex},7\n")
+        if taken:
+            widget.load_landmarks(tmp_path / "pairs.csv")
+            assert widget.landmarks == [(n - 1 - 7, 7)]
+        else:
+            said = f"landmark 0 is vertex {vertex} of X, which had to go when that was repaired"
+            with pytest.raises(qg.ParameterError, match=said):
+                widget.load_landmarks(tmp_path / "pairs.csv")
+            assert widget.landmarks == []
+            with pytest.raises(qg.ParameterError, match=said):
+                qg.match(mess, whole, landmarks=[(vertex, 7)])
+    widget.close()
 
 
 def upload(name: str, content: bytes) -> dict:

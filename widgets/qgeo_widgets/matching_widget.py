@@ -41,7 +41,8 @@ class MatchingWidget(ShapeWidget):
     flip : bool
         Show the mirrored twin of the map: the map followed by the self-symmetry of Y.
     landmarks : list of (int, int)
-        Vertices of X and of Y that are said to belong together: what `match_again` goes by.
+        Vertices of X and of Y that are said to belong together: what `match_again` goes by. In files they are those of
+        the meshes that were given, where a `Repair` of each is shown.
     """
 
     picked = traitlets.Tuple(traitlets.Enum(SIDES), traitlets.Int(), default_value=None, allow_none=True)
@@ -66,7 +67,7 @@ class MatchingWidget(ShapeWidget):
         flip.observe(lambda change: self._ticked(change["new"]), "value")
         self.observe(lambda _: flip.set_trait("value", self.flip), "flip")
         self._orientation = ipywidgets.HTML()
-        self._list = LandmarkList(self.use_as_landmark, self._match_in_background, self._load_uploaded)
+        self._list = LandmarkList(self.use_as_landmark, self._match_in_background, self._load_uploaded, self._in_files)
         traitlets.link((self, "landmarks"), (self._list, "landmarks"))
         self.observe(lambda _: self._flip(), "flip")
         self.observe(self._show_landmarks, "landmarks")
@@ -107,7 +108,7 @@ class MatchingWidget(ShapeWidget):
     def save_landmarks(self, path: str | PathLike[str]) -> None:
         """Write the landmarks as CSV, a vertex of X and one of Y a line: what `load_landmarks` and commands read."""
         with atomic_write(path) as file:
-            file.write(landmark_table(self.landmarks).encode())
+            file.write(landmark_table(self._in_files(self.landmarks)).encode())
 
     def load_landmarks(self, *paths: str | PathLike[str]) -> None:
         """Take landmarks from files, in place of those that are there.
@@ -121,13 +122,21 @@ class MatchingWidget(ShapeWidget):
         Raises
         ------
         ParameterError, MeshError
-            What is wrong with the files; the landmarks are those from before.
+            What is wrong with the files, or a landmark on what a repair removed, as `match` says; the landmarks are
+            those from before.
         """
         found = read_hints([Path(path) for path in paths])
-        pairs = vertex_pairs(found, *(shape.surface for shape in self._shapes))
-        self.landmarks = [(int(i), int(j)) for i, j in pairs]
+        pairs = vertex_pairs(found, *(shape.given for shape in self._shapes))
+        sides = (shape.landmarks_of_given(column) for shape, column in zip(self._shapes, pairs.T, strict=True))
+        self.landmarks = list(zip(*sides, strict=True))
 
     # -- inside -------------------------------------------------------------------------------------
+
+    def _in_files(self, landmarks: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+        """Landmarks as vertices of the meshes that were given."""
+        columns = zip(*landmarks, strict=True) if landmarks else ((), ())
+        sides = (shape.vertices_of_given(column) for shape, column in zip(self._shapes, columns, strict=True))
+        return list(zip(*sides, strict=True))
 
     def _found(self, progress: bool) -> MatchResult:
         one, other = (shape.surface for shape in self._shapes)

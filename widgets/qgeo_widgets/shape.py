@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from qgeo_filters._typing import FloatArray
+from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.defaults import CURVATURE_WEIGHT, EIGENPAIRS
 from qgeo_filters.differential.scalar import Scalar
 from qgeo_filters.errors import ParameterError
@@ -16,6 +17,8 @@ from qgeo_filters.filters import stages
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
 from qgeo_filters.hosts.dispatch import as_surface
+from qgeo_filters.hosts.repair import Repair
+from qgeo_filters.matching.known_parts import landmarks_left
 from qgeo_filters.spectral.distance_spectrum import Landmarks, is_represented
 from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
@@ -31,7 +34,7 @@ class Shape:
     Parameters
     ----------
     mesh : mesh object
-        What `as_surface` takes.
+        What `as_surface` takes; of a `Repair` what it made is shown.
     name : str
     curvature_weight : float
         Of the lifted metric; 0 is the surface's own.
@@ -43,11 +46,26 @@ class Shape:
         self, mesh: Any, name: str, curvature_weight: float = CURVATURE_WEIGHT, scalar: Scalar = "mean_curvature"
     ) -> None:
         self.surface: Surface = as_surface(mesh)
+        self.repair = mesh if isinstance(mesh, Repair) else None
         self.name = name
         self.unit = float(np.sqrt(self.surface.area))
         self._weight = curvature_weight
         self._scalar = scalar
         self._fields: OrderedDict[int, FloatArray] = OrderedDict()
+
+    @property
+    def given(self) -> Surface:
+        """The mesh that was given, of a `Repair` too: whose vertices files and functions mean."""
+        return self.surface if self.repair is None else self.repair.given
+
+    def vertices_of_given(self, vertices: Sequence[int]) -> list[int]:
+        """Vertices of the mesh that was given, for vertices of what is shown."""
+        return list(vertices) if self.repair is None else self.repair.origin[list(vertices)].tolist()
+
+    def landmarks_of_given(self, vertices: IndexArray) -> list[int]:
+        """Vertices of what is shown, for landmarks on the mesh that was given; see `landmarks_left`."""
+        left = vertices if self.repair is None else landmarks_left(self.repair, vertices, self.name)
+        return [int(vertex) for vertex in left]
 
     @cached_property
     def metric(self) -> LiftedMetric:
