@@ -13,7 +13,7 @@ import numpy.typing as npt
 from qgeo_filters._typing import RepairOption
 from qgeo_filters.barycentric import BarycentricMap
 from qgeo_filters.errors import ParameterError
-from qgeo_filters.hosts.wrap import wrap_surface
+from qgeo_filters.hosts.wrap import Wrap, wrap_surface
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.maps.orientation import orientation
 from qgeo_filters.matching.match_result import MatchResult
@@ -33,7 +33,8 @@ _TURNED_OVER = -0.3
 class Places:
     """Point of X for each vertex of Y, the match that it comes from, if there is one, and what is to be said of it.
 
-    ``size`` is how many times as large Y is as X: the root of the areas of what was matched.
+    ``size`` is how many times as large Y is as X: the root of the areas of what was matched. ``wraps`` are those of X
+    and of Y, where they were wrapped.
     """
 
     on_x: BarycentricMap
@@ -41,6 +42,7 @@ class Places:
     match: MatchResult | None = None
     notes: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
+    wraps: tuple[Wrap | None, Wrap | None] = (None, None)
 
 
 def places_on(
@@ -97,9 +99,9 @@ def _of_match(x: Surface, y: Surface, found: MatchResult, accept_unsure: bool, b
     if there and back:  # shapes of equal counts: told by where their vertices are
         back = np.array_equal(found.x.vertices, y.vertices) and not np.array_equal(found.x.vertices, x.vertices)
     if back:
-        place, wraps = found.barycentric, (found.wrap_y, found.wrap_x)
+        place = found.barycentric
     elif there:
-        place, wraps = found.inverse_barycentric, (found.wrap_x, found.wrap_y)
+        place = found.inverse_barycentric
     else:
         raise ParameterError(
             f"the match is one of {found.x.n_vertices} and {found.y.n_vertices} vertices, "
@@ -112,11 +114,18 @@ def _of_match(x: Surface, y: Surface, found: MatchResult, accept_unsure: bool, b
         more = "more " if len(found.landmark_errors) else ""
         landmarks = f"give {more}landmarks (correspondence=match(x, y, landmarks=...)), " if by_landmarks else ""
         raise ParameterError(f"{doubt}. Look at it, {landmarks}or say accept_unsure=True")
-    # Raw CT has walls of two sides and more inside: the area of its wrap is what tells its size.
-    of_x, of_y = (
-        wrap_surface(shape, alpha=alpha).surface if alpha else shape for shape, alpha in zip((x, y), wraps, strict=True)
-    )
-    return Places(_checked(x, y, place), _root_of_areas(of_x, of_y), found, found.repairs, (doubt,) if doubt else ())
+    wraps = _wrap(x, found, not back), _wrap(y, found, back)
+    # Raw CT has walls inside: what tells its size is the area of its wrap.
+    size = _root_of_areas(*(one if w is None else w.surface for one, w in zip((x, y), wraps, strict=True)))
+    return Places(_checked(x, y, place), size, found, found.repairs, (doubt,) if doubt else (), wraps)
+
+
+def _wrap(shape: Surface, found: MatchResult, is_x: bool) -> Wrap | None:
+    """The wrap that was matched in place of a shape, which may be that of the match elsewhere, or of another size."""
+    given, alpha = (found.x, found.wrap_x) if is_x else (found.y, found.wrap_y)
+    if alpha and not np.array_equal(given.vertices, shape.vertices):
+        return wrap_surface(shape, alpha=alpha)
+    return found.around_x if is_x else found.around_y
 
 
 def _root_of_areas(x: Surface, y: Surface) -> float:

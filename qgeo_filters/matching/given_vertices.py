@@ -46,7 +46,7 @@ def match_on_given(found: MatchResult, x: PreparedShape, y: PreparedShape) -> Ma
     else:
         p2p, inverse = _carried(found, x, y)
         places = barycentric_map(positions, p2p, y.given)
-    return replace(
+    on_given = replace(
         found,
         x=x.given,
         y=y.given,
@@ -61,6 +61,10 @@ def match_on_given(found: MatchResult, x: PreparedShape, y: PreparedShape) -> Ma
         wrap_x=_wrap_alpha(x.repair),
         wrap_y=_wrap_alpha(y.repair),
     )
+    for name, repair in (("around_x", x.repair), ("around_y", y.repair)):
+        if not keep_vertices(repair):
+            on_given.__dict__[name] = repair  # which it would make again
+    return on_given
 
 
 def symmetry_on_given(found: Symmetry, x: PreparedShape) -> Symmetry:

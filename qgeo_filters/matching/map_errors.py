@@ -8,12 +8,12 @@ from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.geodesics.pairs import paired_distances
 from qgeo_filters.hosts.dispatch import surface_and_repair
 from qgeo_filters.hosts.repair import Repair
-from qgeo_filters.hosts.wrap import wrap_surface
+from qgeo_filters.hosts.wrap import Wrap
 from qgeo_filters.surface import Surface
 
 
 def map_errors(
-    y: Surface, p2p: IndexArray, truth: IndexArray, repaired: bool, wrap: float, workers: int | None = None
+    y: Surface, p2p: IndexArray, truth: IndexArray, repaired: bool, wrap: Wrap | None, workers: int | None = None
 ) -> FloatArray:
     """Geodesic distance between vertices of Y, (n,), in units of sqrt(area); NaN where one of them is -1.
 
@@ -26,12 +26,12 @@ def map_errors(
         Vertices of Y; -1: none.
     repaired : bool
         Whether it was repaired for the match, in one piece: distances are those on what was matched.
-    wrap : float
-        The ``alpha`` of the wrap that was matched in its place, 0: none.
+    wrap : Wrap, optional
+        What was matched in its place.
     workers : int, optional
         Threads; all cores by default.
     """
-    repair = _as_matched(y, repaired, wrap)
+    repair = wrap or _as_matched(y, repaired)
     stands = np.arange(y.n_vertices) if repair is None else repair.vertex_of_original
     image, target = (np.where(one >= 0, stands[one], -1) for one in (p2p, truth))
     known = (image >= 0) & (target >= 0)
@@ -41,7 +41,5 @@ def map_errors(
     return errors
 
 
-def _as_matched(y: Surface, repaired: bool, wrap: float) -> Repair | None:
-    if wrap:
-        return wrap_surface(y, alpha=wrap)
+def _as_matched(y: Surface, repaired: bool) -> Repair | None:
     return surface_and_repair(y, "force", "largest")[1] if repaired else surface_and_repair(y, "auto", "all")[1]

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.hosts.wrap import Wrap, wrap_surface
 from qgeo_filters.io.landmarks import Landmarks
 from qgeo_filters.matching import map_files, map_landmarks, map_transfer
 from qgeo_filters.matching.map_errors import map_errors
@@ -113,6 +114,16 @@ class MatchResult:
     overlap_y: float = 1.0
     wrap_x: float = 0.0
     wrap_y: float = 0.0
+
+    @cached_property
+    def around_x(self) -> Wrap | None:
+        """The closed surface that was matched in place of X, None: none was; made again for a result from a file."""
+        return wrap_surface(self.x, alpha=self.wrap_x) if self.wrap_x else None
+
+    @cached_property
+    def around_y(self) -> Wrap | None:
+        """That which was matched in place of Y."""
+        return wrap_surface(self.y, alpha=self.wrap_y) if self.wrap_y else None
 
     @cached_property
     def inverse_barycentric(self) -> BarycentricMap:
@@ -263,7 +274,7 @@ class MatchResult:
         if len(target) != len(self.p2p):
             raise ParameterError(f"truth must hold a vertex for each of the {len(self.p2p)} of X, got {len(target)}")
         repaired = any(line.startswith("Y: ") for line in self.repairs)
-        return map_errors(self.y, self.p2p, target, repaired, self.wrap_y, workers)
+        return map_errors(self.y, self.p2p, target, repaired, self.around_y, workers)
 
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write a table with a row for each vertex of X.

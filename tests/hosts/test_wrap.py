@@ -12,9 +12,13 @@ from in_pieces import in_pieces
 from shapes import Mesh, bent, creature, icosphere, moebius
 
 import qgeo_filters as qg
+from qgeo_filters.animation import places
+from qgeo_filters.animation.places import places_on
 from qgeo_filters.evaluation import VtsDataset
+from qgeo_filters.hosts import dispatch
 from qgeo_filters.hosts.dispatch import surface_and_repair
 from qgeo_filters.hosts.given_images import images_on_given
+from qgeo_filters.matching import match_result
 from qgeo_filters.matching.given_vertices import match_on_given
 from qgeo_filters.matching.shape_arrays import arrays_of_shape, shape_of_arrays
 from qgeo_filters.matching.symmetry import self_symmetry
@@ -90,6 +94,29 @@ def test_errors_are_measured_on_the_wrap_that_was_matched(tmp_path: Path) -> Non
             way = qg.distances(surface, int(stands[truth[v]]), "cartesian")[0, stands[found.p2p[v]]]
             assert errors[v] * np.sqrt(surface.area) == pytest.approx(way, rel=1e-3, abs=1e-6)
     assert qg.match(icosphere(3), icosphere(3)).wrap_y == 0
+
+
+def test_what_was_matched_is_not_wrapped_once_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its area and distances are known; of a result from a file they are found anew, the same bit for bit."""
+    x, y = (qg.Surface(*mesh) for mesh in pair()[:2])
+    found = qg.match(x, y, repair="wrap", landmarks=[(0, 0)])
+    found.to_npz(tmp_path / "found.npz")
+    again = qg.MatchResult.from_npz(tmp_path / "found.npz")
+    larger = y.with_vertices(3 * y.vertices + 1)
+
+    def made(of: qg.MatchResult) -> list[np.ndarray]:
+        posed = qg.transfer_pose(y, x, of, accept_unsure=True).vertices
+        back = places_on(x, y, of, accept_unsure=True)
+        return [of.error(np.roll(found.p2p, 7)), of.transfer(x.vertices), posed, np.array(back.size)]
+
+    anew, scaled = made(again), places_on(x, larger, again, accept_unsure=True).size
+    assert scaled == pytest.approx(3 * anew[-1], rel=0.01)
+    assert places_on(x, larger, found, accept_unsure=True).size == scaled
+    for module in (dispatch, match_result, places):
+        monkeypatch.setattr(module, "wrap_surface", lambda *_, **__: pytest.fail("wrapped once more"))
+    for kept, new in zip(made(found), anew, strict=True):
+        np.testing.assert_array_equal(kept, new)
+    assert qg.match(icosphere(3), icosphere(3)).around_x is None
 
 
 def test_a_wrap_of_another_size_stands_for_its_mesh() -> None:
