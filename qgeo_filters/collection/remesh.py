@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from qgeo_filters.animation.places import MapLike, places_on, warned
+import numpy as np
+
+from qgeo_filters._typing import IndexArray, RepairOption
+from qgeo_filters.animation.places import MapLike, Places, places_on, warned
 from qgeo_filters.animation.scans import laid_onto
+from qgeo_filters.closest_points import closest_points
 from qgeo_filters.collection.unfolding import put_onto
 from qgeo_filters.hosts.dispatch import SurfaceLike, as_given
 from qgeo_filters.parallel import default_workers, single_threaded_blas
@@ -20,6 +24,7 @@ def remesh_like(
     correspondence: MapLike | None = None,
     *,
     accept_unsure: bool = False,
+    repair: RepairOption = "auto",
     workers: int | None = None,
 ) -> Surface:
     """The shape with the template's triangles: vertex i is at the same place as vertex i of the template.
@@ -33,6 +38,9 @@ def remesh_like(
         (-1: none). By default it is found by `match`.
     accept_unsure : bool
         Whether a match that is not sure is used all the same, with a warning.
+    repair : bool, "auto", "force" or "wrap"
+        What is repaired where a match is sought, see `match`: with "wrap" raw CT, say, is matched as a closed surface
+        around it. The vertices are all of those of the template as it was given.
     workers : int, optional
         Threads; all cores that the process may use by default. The result does not depend on it.
 
@@ -40,7 +48,8 @@ def remesh_like(
     -------
     Surface
         The template's n vertices, triangles and attributes, where the shape is. Each vertex with a partner lies on the
-        surface of the shape; the others are where the template bends to as rigidly as possible.
+        surface of the shape, or on the closed surface around it that was matched; the others are where the template
+        bends to as rigidly as possible.
 
     Raises
     ------
@@ -72,10 +81,27 @@ def remesh_like(
     """
     with default_workers(workers), single_threaded_blas:
         body, target = as_given(template, "auto")[0], as_given(shape, "auto")[0]
-        places = places_on(target, body, correspondence, accept_unsure)
+        places = places_on(target, body, correspondence, accept_unsure, repair=repair)
         laid = body.with_vertices(laid_onto(body, target, places, _LENGTH))
-        vertices, turned = put_onto(laid, target, places.on_x.nearest_corner)
+        vertices, turned = put_onto(*_outside(laid, target, places))
     warned(places.doubts)
     if turned.size:
         warned([f"{turned.size} of {body.n_faces} triangles are turned over on the surface, the first is {turned[0]}"])
     return body.with_vertices(vertices)
+
+
+def _outside(laid: Surface, target: Surface, places: Places) -> tuple[Surface, Surface, IndexArray]:
+    """What is put onto what, and from where: the outsides, where shapes were wrapped.
+
+    Of pieces, and of walls with two sides, nobody knows else which way a triangle should look.
+    """
+    near = places.on_x.nearest_corner
+    around_target, around_body = places.wraps
+    if around_body is not None:
+        given = around_body.given
+        middles = closest_points(given.vertices[given.faces].mean(axis=1), around_body.surface)
+        outwards = np.einsum("ij,ij->i", given.face_normals, around_body.surface.face_normals[middles.faces]) >= 0
+        laid = Surface(laid.vertices, np.where(outwards[:, None], laid.faces, laid.faces[:, ::-1]))
+    if around_target is not None:
+        target, near = around_target.surface, np.where(near >= 0, around_target.vertex_of_original[near], -1)
+    return laid, target, near

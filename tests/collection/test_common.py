@@ -8,8 +8,9 @@ import warnings
 import numpy as np
 import pytest
 from collection_family import family, true_maps
+from in_pieces import in_pieces
 from scipy.spatial.transform import Rotation
-from shapes import grid, icosphere
+from shapes import arched, creature, grid, icosphere
 
 import qgeo_filters as qg
 from qgeo_filters.closest_points import closest_points
@@ -86,6 +87,29 @@ def test_vertices_without_a_partner_stay_near_their_neighbours():
         warnings.simplefilter("error")
         same = qg.remesh_like(template, shape, vertices)
     assert np.linalg.norm(same.vertices - there, axis=1)[lost].max() < 0.12 * np.sqrt(shape.area)
+
+
+def test_what_is_refused_is_put_onto_the_wrap_of_the_shape():
+    """As the refusal advises; a sheet inside comes along, and how the pieces are turned does not matter."""
+    vertices, faces = creature(level=3)
+    template = Surface(*in_pieces((vertices, faces)))
+    shape = Surface(*in_pieces((arched(vertices, 0.3), faces), seed=1))
+    with pytest.raises(qg.MeshError, match="repair='wrap' for a closed surface around all of it"):
+        qg.remesh_like(template, shape)
+    found = qg.match(shape, template, repair="wrap")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # no triangle is turned over
+        same = qg.remesh_like(template, shape, found)
+    np.testing.assert_array_equal(same.faces, template.faces)
+    unit = np.sqrt(Surface(vertices, faces).area)
+    gaps = np.linalg.norm(same.vertices - arched(template.vertices, 0.3), axis=1) / unit
+    assert gaps.mean() < 0.02
+    assert gaps[-4:].max() < 0.1
+    assert found.around_x is not None
+    outside = found.around_x.surface
+    on_wrap = closest_points(same.vertices, outside).pulled_back(outside.vertices)
+    np.testing.assert_allclose(same.vertices[:-4], on_wrap[:-4], atol=1e-9)
+    np.testing.assert_array_equal(qg.remesh_like(template, shape, repair="wrap").vertices, same.vertices)
 
 
 def test_shapes_of_one_family_have_one_connectivity():
