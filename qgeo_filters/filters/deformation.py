@@ -13,12 +13,15 @@ from qgeo_filters.animation.pose_transfer import Transfer
 from qgeo_filters.animation.poses import listed_poses, pose_surface, same_triangles
 from qgeo_filters.animation.sequence import Animation
 from qgeo_filters.animation.transfer import transfer_deformation
+from qgeo_filters.caching import cache
 from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.filters import stages
 from qgeo_filters.filters.base import Filter
+from qgeo_filters.filters.changes import Changes
 from qgeo_filters.filters.registry import registered
 from qgeo_filters.hosts.dispatch import as_given
 from qgeo_filters.hosts.repair import Repair
+from qgeo_filters.parallel import default_workers
 from qgeo_filters.surface import Surface
 
 
@@ -26,8 +29,6 @@ class MovingFilter(Filter):
     """A filter that puts the vertices elsewhere and says how far: ``qgeo_displacement``."""
 
     pointwise = True  # what needs repair is repaired where the map is sought
-
-    _sought: RepairOption = "auto"
 
     outputs = {"qgeo_displacement": "(n, 3), mesh units: from where the vertex was to where it is"}
 
@@ -38,11 +39,10 @@ class MovingFilter(Filter):
         if repair != "wrap":
             return super().__call__(mesh, repair=repair, progress=progress, workers=workers)
         # What moves is the mesh that was given: what lies deep inside has no place on the wrap, and comes along.
-        self._sought = "wrap"
-        try:
-            return super().__call__(mesh, progress=progress, workers=workers)
-        finally:
-            del self._sought
+        with cache.held(), default_workers(workers):
+            self.repair_, (surface, _) = None, as_given(mesh, "wrap")
+            shift = self.moved(surface, progress, "wrap") - surface.vertices
+        return self._written(mesh, surface, Changes({"qgeo_displacement": shift}, shift))
 
     def repaired_parameters(self, repair: Repair) -> dict[str, Any]:
         """Those of `Filter`; `ParameterError` on a wrap, whose vertices are none of the mesh."""
@@ -54,13 +54,13 @@ class MovingFilter(Filter):
             )
         return super().repaired_parameters(repair)
 
-    def moved(self, surface: Surface, progress: bool) -> np.ndarray:
-        """New positions (n, 3); what a subclass implements."""
+    def moved(self, surface: Surface, progress: bool, repair: RepairOption) -> np.ndarray:
+        """New positions (n, 3), by maps for which meshes are repaired in such a way; what a subclass implements."""
         raise NotImplementedError(f"{type(self).__name__} must implement moved")
 
     def compute(self, surface: Surface, progress: bool = False) -> Mapping[str, np.ndarray]:
         """Displacement by attribute name."""
-        return {"qgeo_displacement": self.moved(surface, progress) - surface.vertices}
+        return {"qgeo_displacement": self.moved(surface, progress, "auto") - surface.vertices}
 
     def apply(self, surface: Surface, progress: bool = False) -> Surface:
         """The surface elsewhere, with all of its attributes and the displacement."""
@@ -128,7 +128,7 @@ class DeformationTransfer(MovingFilter):
         self.align = align
         self.accept_unsure = accept_unsure
 
-    def moved(self, surface: Surface, progress: bool) -> np.ndarray:
+    def moved(self, surface: Surface, progress: bool, repair: RepairOption) -> np.ndarray:
         """Positions in the chosen pose."""
         if self.source is None or self.poses is None:
             raise ParameterError(
@@ -138,9 +138,7 @@ class DeformationTransfer(MovingFilter):
         self.poses = _kept(self.poses)
         found = self.correspondence
         if found is None:
-            found = stages.correspondence_of(
-                source, surface, True, progress, repair_x=self._sought, repair_y=self._sought
-            )
+            found = stages.correspondence_of(source, surface, True, progress, repair_x=repair, repair_y=repair)
         self.transfer_ = transfer_deformation(
             source,
             self.poses,
@@ -151,7 +149,7 @@ class DeformationTransfer(MovingFilter):
             scans=self.scans,
             align=self.align,
             accept_unsure=self.accept_unsure,
-            repair=self._sought,
+            repair=repair,
             progress=progress,
         )
         count = len(self.transfer_)
@@ -201,7 +199,7 @@ class Interpolate(MovingFilter):
         self.correspondence = correspondence
         self.accept_unsure = accept_unsure
 
-    def moved(self, surface: Surface, progress: bool) -> np.ndarray:
+    def moved(self, surface: Surface, progress: bool, repair: RepairOption) -> np.ndarray:
         """Positions at t."""
         if self.target is None:
             raise ParameterError("Interpolate needs the other pose: Interpolate(target=mesh, t=0.5)")
@@ -214,9 +212,7 @@ class Interpolate(MovingFilter):
             with concerning(f"pose {k}"):
                 other, _ = pose_surface(surface, target)
             if maps[k] is None and not same_triangles(surface, other):
-                maps[k] = stages.correspondence_of(
-                    surface, other, True, progress, repair_x=self._sought, repair_y=self._sought
-                )
+                maps[k] = stages.correspondence_of(surface, other, True, progress, repair_x=repair, repair_y=repair)
         self.animation_ = interpolate(surface, targets, self.t, maps, accept_unsure=self.accept_unsure)
         return self.animation_.positions[0]
 

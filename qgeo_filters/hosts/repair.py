@@ -93,6 +93,11 @@ class Repair:
         """The ``alpha`` of `wrap_surface`, 0 where nothing was wrapped."""
         return 0.0
 
+    @property
+    def place_arrays(self) -> dict[str, np.ndarray]:
+        """What brings values back besides vertices that stand for others: nothing."""
+        return {}
+
     def map_back(self, values: npt.ArrayLike) -> np.ndarray:
         """Values at the original vertices, shape (n_old, ...), from values at the repaired ones.
 

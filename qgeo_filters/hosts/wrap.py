@@ -81,6 +81,11 @@ class Wrap(Repair):
         """`alpha`."""
         return self.alpha
 
+    @property
+    def place_arrays(self) -> dict[str, np.ndarray]:
+        """Triangles and weights of `places`."""
+        return {"wrap_faces": self.places.faces, "wrap_coordinates": self.places.coordinates}
+
     def map_back(self, values: npt.ArrayLike) -> np.ndarray:
         """Values at the original vertices: interpolated, or of the nearest vertex where they are whole numbers."""
         return self.places.pulled_back(self._of_repaired(values))

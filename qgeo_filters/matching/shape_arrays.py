@@ -74,10 +74,8 @@ def arrays_of_shape(shape: PreparedShape) -> tuple[Arrays, dict[str, Any]]:
         mended = shape.repair
         arrays |= {"repaired_vertices": mended.surface.vertices, "repaired_faces": mended.surface.faces}
         arrays |= {f"repair_{name}": getattr(mended, name) for name in _OF_REPAIR}
-        if isinstance(mended, Wrap):
-            arrays |= {"wrap_faces": mended.places.faces, "wrap_coordinates": mended.places.coordinates}
-            values["wrap_alpha"] = mended.alpha
-        values["repair"] = list(mended.report)
+        arrays |= mended.place_arrays
+        values |= {"repair": list(mended.report), "wrap_alpha": mended.wrap_alpha}
     return arrays, values
 
 
