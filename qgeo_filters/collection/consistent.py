@@ -26,6 +26,7 @@ from qgeo_filters.collection.store import mended_place
 from qgeo_filters.collection.synchronisation import synchronised_map, synchronised_maps
 from qgeo_filters.collection.tasks import PROBLEM
 from qgeo_filters.errors import ParameterError, QgeoError, reason, require_package
+from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.io.landmarks import Landmarks
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.surface import Surface
@@ -66,7 +67,7 @@ class Consistent(Results):
         surfaces, matched = self.surfaces(), self._matched()
         if how == "matched":
             return matched
-        consistency = cycle_consistency(surfaces, matched)
+        consistency = cycle_consistency(surfaces, matched, repairs=self._repairs())
         if how == "tree":
             return tree_maps(surfaces, matched, spanning_tree(self.names, dict(consistency.ranked())))
         if how == "template":
@@ -94,7 +95,7 @@ class Consistent(Results):
             `cycle_consistency`.
         seed : int
         """
-        return cycle_consistency(self.surfaces(), self._matched(), thirds=thirds, seed=seed)
+        return cycle_consistency(self.surfaces(), self._matched(), thirds=thirds, seed=seed, repairs=self._repairs())
 
     def mended(self, *, tolerance: float = TOLERANCE) -> tuple[dict[Pair, BarycentricMap], list[MendedPair]]:
         """The maps with wrong ones matched again from where all others say, and what became of each wrong pair.
@@ -102,8 +103,9 @@ class Consistent(Results):
         What is found is kept in the store, and found again as long as the others say the same.
         """
         surfaces, matched = self.surfaces(), self._matched()
-        consistency = cycle_consistency(surfaces, matched)
-        return mended_maps(surfaces, matched, consistency, tolerance=tolerance, register=self._kept_registration())
+        consistency = cycle_consistency(surfaces, matched, repairs=self._repairs())
+        register, repairs = self._kept_registration(), self._repairs()
+        return mended_maps(surfaces, matched, consistency, tolerance=tolerance, register=register, repairs=repairs)
 
     def common(self, template: str, *, how: How = "matched", accept_unsure: bool = False) -> CommonShapes:
         """All shapes with the triangles of one of them, for means, modes and statistics, see `remesh_like`.
@@ -141,6 +143,12 @@ class Consistent(Results):
         """The same as a pandas DataFrame with columns shape, landmark, x, y, z; NaN where one has no image."""
         pandas = require_package("pandas", "collections", "Collection.landmark_table")
         return pandas.DataFrame(landmark_table(self.landmarks(landmarks, on, how=how)))
+
+    def _repairs(self) -> dict[str, Repair]:
+        """What was matched in place of the shapes that were repaired."""
+        mended = [name for name in self.names if "repair" in (self.store.values(self._shape_place(name)) or {})]
+        found = {name: self.shape(name).repair for name in mended}
+        return {name: repair for name, repair in found.items() if repair is not None}
 
     def _kept_registration(self) -> Registration:
         """Matches from maps that are known in the large, each found once, and kept by these maps' content."""
@@ -180,7 +188,7 @@ class Consistent(Results):
             return {pair: self._place(*pair) for pair in pairs}
         if how == "all ways":  # no maps of other pairs are needed
             surfaces, matched = self.surfaces(), self._matched()
-            consistency = cycle_consistency(surfaces, matched)
+            consistency = cycle_consistency(surfaces, matched, repairs=self._repairs())
             known = {pair: synchronised_map(*pair, surfaces, matched, consistency) for pair in pairs}
         else:
             known = {**self.maps(how, template=name if how == "template" else None)}

@@ -10,7 +10,8 @@ import numpy as np
 from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.collection.composition import Maps, Pair, checked_maps
 from qgeo_filters.errors import ParameterError
-from qgeo_filters.geodesics.pairs import paired_distances
+from qgeo_filters.hosts.repair import Repair
+from qgeo_filters.matching.map_errors import map_errors
 from qgeo_filters.sampling import farthest_in_embedding
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
@@ -85,6 +86,7 @@ def cycle_consistency(
     points: int = _POINTS,
     thirds: int | None = THIRDS,
     seed: int = 0,
+    repairs: Mapping[str, Repair] | None = None,
     workers: int | None = None,
 ) -> CycleConsistency:
     """How far each map is from those through a third shape, and which of them is to blame.
@@ -101,6 +103,8 @@ def cycle_consistency(
         which share of all triangles that was. None: all, m (m - 1) (m - 2) triangles of m shapes.
     seed : int
         Of that choice.
+    repairs : mapping of name to Repair, optional
+        What was matched in place of some of the shapes: gaps are measured on it.
     workers : int, optional
         Threads; all cores by default. The result does not depend on it.
 
@@ -136,7 +140,7 @@ def cycle_consistency(
     for j, y in enumerate(names):
         here = np.flatnonzero(triangles[:, 1] == j)
         if here.size:
-            gaps[here] = _gaps(names, triangles[here], shapes[y], samples, images, workers)
+            gaps[here] = _gaps(names, triangles[here], shapes[y], (repairs or {}).get(y), samples, images, workers)
     blame = message_passing(len(names), triangles, gaps)
     return CycleConsistency(names, frozen(triangles), frozen(gaps), frozen(blame), share)
 
@@ -188,6 +192,7 @@ def _gaps(
     names: tuple[str, ...],
     triangles: IndexArray,
     target: Surface,
+    repair: Repair | None,
     samples: dict[str, IndexArray],
     images: dict[Pair, IndexArray],
     workers: int | None,
@@ -198,9 +203,8 @@ def _gaps(
         between = images[x, z][samples[x]]
         ends.append((images[x, y][samples[x]], np.where(between >= 0, images[z, y][between], -1)))
     one, other = (np.concatenate(side) for side in zip(*ends, strict=True))
-    known = (one >= 0) & (other >= 0)
-    triangle = np.repeat(np.arange(len(ends)), [len(direct) for direct, _ in ends])[known]
-    lengths = paired_distances(target, one[known], other[known], workers=workers) / np.sqrt(target.area)
+    triangle = np.repeat(np.arange(len(ends)), [len(direct) for direct, _ in ends])
+    lengths = map_errors(target, one, other, False, repair, workers)
     reached = np.isfinite(lengths)
     sums, counts = (np.bincount(triangle[reached], of, len(ends)) for of in (lengths[reached], None))
     return np.divide(sums, counts, out=np.full(len(ends), np.nan), where=counts > 0)

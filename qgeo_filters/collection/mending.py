@@ -15,7 +15,8 @@ from qgeo_filters.collection.composition import Maps, Pair, checked_maps
 from qgeo_filters.collection.cycles import TOLERANCE, CycleConsistency
 from qgeo_filters.collection.synchronisation import synchronised_map
 from qgeo_filters.errors import QgeoError, reason
-from qgeo_filters.geodesics.pairs import paired_distances
+from qgeo_filters.hosts.repair import Repair
+from qgeo_filters.matching.map_errors import map_errors
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.restart import match_from
@@ -67,6 +68,7 @@ def mended_maps(
     *,
     tolerance: float = TOLERANCE,
     register: Registration | None = None,
+    repairs: Mapping[str, Repair] | None = None,
     workers: int | None = None,
 ) -> tuple[dict[Pair, BarycentricMap], list[MendedPair]]:
     """The maps with wrong ones matched again from the composed maps, and what became of each.
@@ -82,6 +84,8 @@ def mended_maps(
     register : callable, optional
         Takes the place of `match_from`, where prepared shapes or what was found before are at hand; takes the names of
         two shapes, a map to start from and its rival, or None.
+    repairs : mapping of name to Repair, optional
+        As for `cycle_consistency`.
     workers : int, optional
 
     Returns
@@ -100,7 +104,9 @@ def mended_maps(
     register = register or registration(lambda name: PreparedShape(shapes[name]), workers)
     report = []
     for x, y in consistency.wrong(tolerance):
-        pair, forth, back = _mended(x, y, shapes, found, consistency, tolerance, register, workers)
+        pair, forth, back = _mended(
+            x, y, shapes, found, consistency, tolerance, register, (repairs or {}).get(y), workers
+        )
         report.append(pair)
         if forth is not None and back is not None:
             found |= {(x, y): forth, (y, x): back}
@@ -125,6 +131,7 @@ def _mended(
     consistency: CycleConsistency,
     tolerance: float,
     register: Registration,
+    repair: Repair | None,
     workers: int | None,
 ) -> tuple[MendedPair, BarycentricMap | None, BarycentricMap | None]:
     def failed(why: str) -> tuple[MendedPair, None, None]:
@@ -141,10 +148,8 @@ def _mended(
     except QgeoError as error:
         return failed(reason(error))
     some = farthest_in_embedding(shapes[x].vertices, min(_POINTS, shapes[x].n_vertices))
-    ends = new.p2p[some], start.nearest_corner[some]
-    known = (ends[0] >= 0) & (ends[1] >= 0)
-    lengths = paired_distances(shapes[y], ends[0][known], ends[1][known], workers=workers)
-    apart, dearer = float(lengths.mean() / np.sqrt(shapes[y].area)), 1 / new.margin
+    lengths = map_errors(shapes[y], new.p2p[some], start.nearest_corner[some], False, repair, workers)
+    apart, dearer = float(np.nanmean(lengths)), 1 / new.margin
     if apart > tolerance:
         why = f"registered from where the others say it ends {apart:.3f} sqrt(area) away from there"
     elif dearer > _DEARER:

@@ -8,12 +8,11 @@ from qgeo_filters._typing import FloatArray, IndexArray
 from qgeo_filters.geodesics.pairs import paired_distances
 from qgeo_filters.hosts.dispatch import surface_and_repair
 from qgeo_filters.hosts.repair import Repair
-from qgeo_filters.hosts.wrap import Wrap
 from qgeo_filters.surface import Surface
 
 
 def map_errors(
-    y: Surface, p2p: IndexArray, truth: IndexArray, repaired: bool, wrap: Wrap | None, workers: int | None = None
+    y: Surface, p2p: IndexArray, truth: IndexArray, repaired: bool, matched: Repair | None, workers: int | None = None
 ) -> FloatArray:
     """Geodesic distance between vertices of Y, (n,), in units of sqrt(area); NaN where one of them is -1.
 
@@ -26,12 +25,12 @@ def map_errors(
         Vertices of Y; -1: none.
     repaired : bool
         Whether it was repaired for the match, in one piece: distances are those on what was matched.
-    wrap : Wrap, optional
-        What was matched in its place.
+    matched : Repair, optional
+        What was matched in its place, if that is known.
     workers : int, optional
         Threads; all cores by default.
     """
-    repair = wrap or _as_matched(y, repaired)
+    repair = matched or _as_matched(y, repaired)
     stands = np.arange(y.n_vertices) if repair is None else repair.vertex_of_original
     image, target = (np.where(one >= 0, stands[one], -1) for one in (p2p, truth))
     known = (image >= 0) & (target >= 0)

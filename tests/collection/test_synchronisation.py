@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from collection_family import NAMES, family, mirrored, points_of, true_maps
+from in_pieces import in_pieces
+from shapes import creature
 
 import qgeo_filters as qg
 from qgeo_filters.barycentric import BarycentricMap
@@ -13,6 +15,7 @@ from qgeo_filters.collection.composition import along, checked_maps, composed
 from qgeo_filters.collection.cycles import CycleConsistency, chosen_triangles, cycle_consistency, message_passing
 from qgeo_filters.collection.spanning_tree import spanning_tree, template_maps, tree_maps
 from qgeo_filters.collection.synchronisation import synchronised_maps
+from qgeo_filters.surface import Surface
 
 FAMILY = family(1)
 TRUE = true_maps(FAMILY)
@@ -222,3 +225,20 @@ def test_inputs_are_not_changed():
     synchronised_maps(FAMILY, maps, found)
     assert isinstance(found, CycleConsistency)
     assert all(np.array_equal(maps[pair], images) for pair, images in with_wrong_pairs().items())
+
+
+def test_gaps_are_measured_on_what_was_matched():
+    """Of meshes that no repair mends on their wraps: zero for equal maps, distances there for one that is another."""
+    mesh = Surface(*in_pieces(creature(level=2)))
+    wrap = qg.wrap_surface(mesh)
+    shapes, number = dict.fromkeys("abc", mesh), np.arange(mesh.n_vertices)
+    maps = {(x, y): number for x in "abc" for y in "abc" if x != y}
+    wraps = dict.fromkeys("abc", wrap)
+    np.testing.assert_array_equal(cycle_consistency(shapes, maps, repairs=wraps).gaps, 0)
+    stands = wrap.vertex_of_original
+    known = np.flatnonzero(stands >= 0)
+    maps["a", "b"] = np.full(mesh.n_vertices, known[0])
+    wrong = cycle_consistency(shapes, maps, points=mesh.n_vertices, repairs=wraps)
+    way = qg.distances(wrap.surface, int(stands[known[0]]), "cartesian")[0] / np.sqrt(wrap.surface.area)
+    row = (wrong.triangles == [0, 1, 2]).all(axis=1)
+    np.testing.assert_allclose(wrong.gaps[row], way[stands[known]].mean(), rtol=1e-3)
