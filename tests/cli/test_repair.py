@@ -149,3 +149,14 @@ def test_each_command_takes_a_wrap(
         refused = qgeo(command, "mesh.off", *arguments, "--wrap", other)
         assert refused.exit_code == 2
         assert "--wrap is instead of" in refused.stderr
+
+
+def test_the_size_of_what_has_walls_inside_is_that_of_its_wrap(qgeo: Qgeo) -> None:
+    vertices, faces = creature(level=2)
+    qg.Surface(vertices, faces).write("x.off")
+    inner = np.concatenate([vertices, 0.6 * vertices]), np.concatenate([faces, faces[:, ::-1] + len(vertices)])
+    qg.Surface(*inner).write("y.off")
+    refused = qgeo("match", "x.off", "y.off", "--no-normalize", "--repair", "--no-partial", "--no-pictures")
+    assert "areas of X and Y are" in refused.stderr
+    made = qgeo("match", "x.off", "y.off", "--no-normalize", "--wrap", "--no-partial", "--no-pictures")
+    assert made.exit_code == 0, made.stderr
