@@ -143,10 +143,10 @@ def match(
     landmarks = known.Hints.of(*shapes, read_hints(hints, frame)).landmarks if hints else None
     marks = landmarks_file and outputs.landmarks_of_x(landmarks_file, shape_x, specimen, frame)
     # Raw CT has walls inside: what tells its size is the area of its wrap.
-    sizes = [stages.wrap_of(shape).surface if mend == "wrap" else shape for shape in shapes]
-    whole = not matched_as_part(*sizes, as_part, normalize)
+    size_x, size_y = (stages.wrap_of(shape).surface if mend == "wrap" else shape for shape in shapes)
+    whole = not matched_as_part(size_x, size_y, as_part, normalize)
     if not normalize and whole:
-        check_same_size(*sizes)
+        check_same_size(size_x, size_y)
     prepared = []  # held here: the next stages then find them, whatever the bound of the cache
     for index, shape in enumerate(shapes if whole else ()):
         with job.stage(f"spectra of {'XY'[index]}", index):
