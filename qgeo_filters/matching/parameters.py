@@ -79,16 +79,23 @@ class MatchingParameters(ShapeParameters, ReflectionParameters):
     sign_hypotheses: int = 24
 
     # -- ends of limbs: extrema of the average geodesic distance --------------------------------------------
-    #: An extremum exceeds all within this distance; around so many a part of a reflection may be turned (tuning).
+    #: An extremum exceeds all within this distance; at most so many take part (tuning).
     extrema_radius: float = 0.1
     extrema_count: int = 10
+    #: Of reflections: matchings kept while one extremum after another is added, at the end, and as maps (tuning).
+    extrema_beam: int = 2000
+    extrema_matchings: int = 100
+    extrema_hypotheses: int = 6
+    #: Fewest matched extrema that tell points apart.
+    extrema_fewest: int = 4
+    #: Cost of leaving one unmatched, and the most that one pair of distances may cost (tuning).
+    extrema_unmatched: float = 0.24
+    extrema_worst: float = 0.5
 
     # -- matchings of ends of limbs by the symmetries, where shapes are hardly isometric ---------------------------
     #: Of extrema nearer to each other than this one is the end of a limb (fingers of one hand); at most so many.
     limb_ends_apart: float = 0.4
     limb_ends: int = 6
-    #: Fewest matched ends that tell points apart.
-    limb_ends_fewest: int = 4
     #: Ends this near to the mirror image of one are that.
     limb_end_mirrored: float = 0.2
     limb_hypotheses: int = 16

@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from qgeo_filters._typing import IndexArray
+from qgeo_filters.matching.initialization.agd_extrema import extrema_reflections
 from qgeo_filters.matching.initialization.hypothesis import Hypothesis
 from qgeo_filters.matching.initialization.landmark_maps import landmark_maps
 from qgeo_filters.matching.initialization.sign_search import sign_search
@@ -76,7 +77,7 @@ def candidates(problem: MatchProblem) -> list[Candidate]:
     for h in hypotheses:
         if _rank(problem, h) > bound:
             log.drop(h.number, dearer_than(problem, bound))
-    guesses = landmark_maps(problem)
+    guesses = extrema_reflections(problem) if problem.reflection else landmark_maps(problem)
     points, triangles = mapped_points(problem), _largest_triangles(problem.x, given.candidate_triangles)
     if problem.reflection:
         some = triangles[: given.rough_triangles]

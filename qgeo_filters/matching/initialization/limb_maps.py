@@ -33,7 +33,7 @@ def limb_maps(problem: MatchProblem, mirror_x: IndexArray, mirror_y: IndexArray)
     """
     x, y, given = problem.x, problem.y, problem.parameters
     of_x, of_y = LimbEnds.of(x, mirror_x, given), LimbEnds.of(y, mirror_y, given)
-    matchings = symmetric_matchings(of_x.partners, of_y.partners, given.limb_ends_fewest)
+    matchings = symmetric_matchings(of_x.partners, of_y.partners, given.extrema_fewest)
     if not len(matchings):
         return []
     s = min(given.coarse_points, len(x.fps_distances), len(y.fps_distances))
