@@ -102,9 +102,9 @@ class Consistent(Results):
 
         What is found is kept in the store, and found again as long as the others say the same.
         """
-        surfaces, matched = self.surfaces(), self._matched()
-        consistency = cycle_consistency(surfaces, matched, repairs=self._repairs())
-        register, repairs = self._kept_registration(), self._repairs()
+        surfaces, matched, repairs = self.surfaces(), self._matched(), self._repairs()
+        consistency = cycle_consistency(surfaces, matched, repairs=repairs)
+        register = self._kept_registration()
         return mended_maps(surfaces, matched, consistency, tolerance=tolerance, register=register, repairs=repairs)
 
     def common(self, template: str, *, how: How = "matched", accept_unsure: bool = False) -> CommonShapes:

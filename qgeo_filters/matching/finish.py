@@ -18,7 +18,8 @@ def finished(problem: MatchProblem, coarse: DenseMap) -> DenseMap:
     """The map registered to the end, between the vertices of the fine levels.
 
     X is deformed onto Y; but where X has handles that Y lacks, places where it has grown together, Y onto X: arms can
-    be laid on a body, but not be torn from one without tearing all that is near.
+    be laid on a body, but not be torn from one without tearing all that is near. Then it does not go through low
+    frequencies once more, which are those that a handle changes.
     """
     # What the map contradicts must not bend it any more.
     agreed = problem.with_known(problem.known and problem.known.agreeing(coarse.p2p))

@@ -170,30 +170,30 @@ def landmarks_left(repair: Repair, vertices: IndexArray, name: str) -> IndexArra
     ParameterError
         One on what the repair removed, far from all that is left.
     """
-    lost = np.flatnonzero(repair.vertex_of_original[vertices] < 0)
-    gaps = np.asarray(cKDTree(repair.surface.vertices).query(repair.given.vertices[vertices[lost]])[0])
-    far = gaps > NEAR_THE_SURFACE * np.sqrt(repair.surface.area)
-    if far.any():
-        first = lost[far][0]
+    found, gaps = _nearest_left(repair, vertices)
+    far = np.flatnonzero(gaps > NEAR_THE_SURFACE * np.sqrt(repair.surface.area))
+    if far.size:
+        first = far[0]
         raise ParameterError(
             f"landmark {first} is vertex {vertices[first]} of {name}, which had to go when that was repaired, and "
-            f"is {gaps[far][0]:.4g} from what is left of it ({far.sum()} such: {listed(lost[far])}): give "
+            f"is {gaps[first]:.4g} from what is left of it ({far.size} such: {listed(far)}): give "
             "landmarks on what is matched"
         )
-    return _nearest_left(repair, vertices)
+    return found
 
 
 def full_vertices(shape: PreparedShape, vertices: IndexArray) -> IndexArray:
     """Vertices of the repaired surface for some of the one that was given, the nearest for lost ones."""
-    return vertices if shape.repair is None else _nearest_left(shape.repair, vertices)
+    return vertices if shape.repair is None else _nearest_left(shape.repair, vertices)[0]
 
 
-def _nearest_left(repair: Repair, vertices: IndexArray) -> IndexArray:
+def _nearest_left(repair: Repair, vertices: IndexArray) -> tuple[IndexArray, FloatArray]:
+    """Vertices of the repaired surface, the nearest for lost ones, and how far those are; 0 for the others."""
     found = repair.vertex_of_original[vertices].astype(np.int64)
-    lost = found < 0
+    gaps, lost = np.zeros(len(found)), found < 0
     if lost.any():
-        found[lost] = cKDTree(repair.surface.vertices).query(repair.given.vertices[vertices[lost]])[1]
-    return found
+        gaps[lost], found[lost] = cKDTree(repair.surface.vertices).query(repair.given.vertices[vertices[lost]])
+    return found, gaps
 
 
 def full_labels(shape: PreparedShape, labels: IndexArray) -> IndexArray:

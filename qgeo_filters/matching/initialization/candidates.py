@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from qgeo_filters._typing import IndexArray
-from qgeo_filters.matching.initialization.agd_extrema import extrema_reflections
+from qgeo_filters.matching.initialization.extrema_reflections import extrema_reflections
 from qgeo_filters.matching.initialization.hypothesis import Hypothesis
 from qgeo_filters.matching.initialization.landmark_maps import landmark_maps
 from qgeo_filters.matching.initialization.sign_search import sign_search
