@@ -72,7 +72,9 @@ class MatchResult:
     landmark_errors : (k,) float64
         Distance on Y between the image of each landmark that was given and its partner, in units of sqrt(area).
     overlap_x, overlap_y : float
-        Share of the area of either shape that has a partner: 1 but for partial matches.
+        Share of the area of either shape, as it was matched, that has a partner: 1 but for partial matches. Of a shape
+        that was repaired or wrapped, that is the repaired surface or the wrap: ``p2p`` tells which given vertices have
+        none, such as those deep inside.
     wrap_x, wrap_y : float
         The ``alpha`` of the closed surface that was matched in place of either shape, see `wrap_surface`; 0: none was.
 
