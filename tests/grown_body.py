@@ -7,6 +7,7 @@ import functools
 import numpy as np
 from shapes import bent, limbed
 
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.surface import Surface
 
 LIMBS = ((0.7, 0.6, -0.4), (-0.5, 0.8, -0.4), (0, -1, 0.3), (0, 0.6, 0.8))
@@ -28,3 +29,15 @@ def grown() -> Surface:
     b = min((np.roll(b, k) for k in range(3)), key=lambda turned: np.linalg.norm(vertices[a] - vertices[turned]))
     tube = [f for k in range(3) for f in ((a[k], a[k - 2], b[k]), (a[k - 2], b[k - 2], b[k]))]
     return Surface(vertices, np.concatenate([np.delete(faces, [one, other], axis=0), tube]))
+
+
+@functools.cache
+def prepared_body() -> PreparedShape:
+    """The body with what belongs to it alone, which is the same in all tests."""
+    return PreparedShape(body())
+
+
+@functools.cache
+def prepared_grown() -> PreparedShape:
+    """The same of the other pose."""
+    return PreparedShape(grown())

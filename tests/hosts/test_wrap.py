@@ -25,10 +25,10 @@ from qgeo_filters.matching.symmetry import self_symmetry
 
 
 @functools.cache
-def pair() -> tuple[Mesh, Mesh, np.ndarray]:
+def pair(level: int = 4) -> tuple[Mesh, Mesh, np.ndarray]:
     """A creature and its bent copy in pieces of their own, and the place of each vertex of X on the copy."""
-    x = in_pieces(creature(level=4))
-    flat = creature(level=4)
+    flat = creature(level=level)
+    x = in_pieces(flat)
     y = in_pieces((bent(flat[0], 0.4), flat[1]), seed=1)
     nearest = np.linalg.norm(x[0][:, None] - flat[0][None], axis=2).argmin(axis=1)
     return x, y, bent(flat[0], 0.4)[nearest]
@@ -76,16 +76,16 @@ def test_the_other_shape_may_be_inside_out() -> None:
 
 
 def test_errors_are_measured_on_the_wrap_that_was_matched(tmp_path: Path) -> None:
-    x, y, places = pair()
-    wraps = qg.wrap_surface(x), qg.wrap_surface(y, alpha=0.02)
+    x, y, places = pair(3)
+    wraps = qg.wrap_surface(x), qg.wrap_surface(y, alpha=0.05)
     found = qg.match(*wraps)
-    assert (found.wrap_x, found.wrap_y) == (0.03, 0.02)
+    assert (found.wrap_x, found.wrap_y) == (0.03, 0.05)
     found.to_npz(tmp_path / "found.npz")
     again = qg.MatchResult.from_npz(tmp_path / "found.npz")
-    assert again.wrap_y == 0.02
+    assert again.wrap_y == 0.05
     truth = np.linalg.norm(y[0][None] - places[:, None], axis=2).argmin(axis=1)
     truth[found.p2p < 0] = -1
-    some = np.flatnonzero(truth >= 0)[::400]
+    some = np.flatnonzero(truth >= 0)[::150]
     surface, stands = wraps[1].surface, wraps[1].vertex_of_original
     # None of these changes what was matched: not the sentences of the report.
     for result in (again, replace(found, repairs=tuple(line.replace("wrapped", "...") for line in found.repairs))):
@@ -98,7 +98,7 @@ def test_errors_are_measured_on_the_wrap_that_was_matched(tmp_path: Path) -> Non
 
 def test_what_was_matched_is_not_wrapped_once_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its area and distances are known; of a result from a file they are found anew, the same bit for bit."""
-    x, y = (qg.Surface(*mesh) for mesh in pair()[:2])
+    x, y = (qg.Surface(*mesh) for mesh in pair(3)[:2])
     found = qg.match(x, y, repair="wrap", landmarks=[(0, 0)])
     found.to_npz(tmp_path / "found.npz")
     again = qg.MatchResult.from_npz(tmp_path / "found.npz")
@@ -121,12 +121,12 @@ def test_what_was_matched_is_not_wrapped_once_more(tmp_path: Path, monkeypatch: 
 
 def test_a_wrap_of_another_size_stands_for_its_mesh() -> None:
     x, y, places = pair()
-    finer = qg.wrap_surface(x, alpha=0.02), qg.wrap_surface(y, alpha=0.02)
-    assert qg.as_surface(finer[0]) is finer[0].surface
-    found = qg.match(*finer, landmarks=[(0, int(np.linalg.norm(y[0] - places[0], axis=1).argmin()))])
+    coarser = qg.wrap_surface(x, alpha=0.04), qg.wrap_surface(y, alpha=0.04)
+    assert qg.as_surface(coarser[0]) is coarser[0].surface
+    found = qg.match(*coarser, landmarks=[(0, int(np.linalg.norm(y[0] - places[0], axis=1).argmin()))])
     assert found.confident, found.explanation
     assert found.x.n_vertices == len(x[0])
-    assert "openings up to 2 % of the diagonal" in found.repairs[0]
+    assert "openings up to 4 % of the diagonal" in found.repairs[0]
     known = found.p2p >= 0
     off = np.linalg.norm(y[0][found.p2p[known]] - places[known], axis=1)
     assert off.mean() < 0.02 * np.sqrt(qg.Surface(*creature(level=4)).area)
@@ -229,7 +229,7 @@ def test_faces_and_vertices_that_are_none_are_left_out() -> None:
 
 
 def test_a_prepared_wrap_is_stored_and_restored() -> None:
-    x, y, _ = pair()
+    x, y, _ = pair(3)
     shape = qg.PreparedShape(x, repair="wrap").prepare()
     arrays, values = arrays_of_shape(shape)
     again = shape_of_arrays(shape.given, arrays, values, shape.parameters)

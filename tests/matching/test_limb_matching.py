@@ -252,6 +252,7 @@ class TestLedByKernels:
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_the_tail_of_a_wolf_goes_onto_that_of_a_lion(data_dir: Path) -> None:
     """It went onto a hind leg, which is as stout as it is: .037 in the mean, a thirtieth of the surface .6 away."""
     folder = data_dir / "harder" / "smal_r"

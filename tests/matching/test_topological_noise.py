@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from grown_body import LIMBS, body, grown
+from grown_body import LIMBS, body, grown, prepared_body, prepared_grown
 
 from qgeo_filters.evaluation import geodesic_error
 from qgeo_filters.matching.known_parts import KnownParts
@@ -18,6 +18,7 @@ from qgeo_filters.matching.partial.part_choice import images_apart
 from qgeo_filters.matching.partial.part_shape import PartShape
 from qgeo_filters.matching.partial.partial_parameters import PartialParameters
 from qgeo_filters.matching.placement import Placement
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.schedule import Schedule
 from qgeo_filters.matching.search import Found, chosen_map
@@ -28,8 +29,13 @@ from qgeo_filters.matching.topological_noise import robust_to_shortcuts
 from qgeo_filters.surface import Surface
 
 
+def shapes(with_handle: bool) -> tuple[PreparedShape, PreparedShape]:
+    """Both, the one with a handle first or last."""
+    return (prepared_grown(), prepared_body()) if with_handle else (prepared_body(), prepared_grown())
+
+
 def problem(with_handle: bool) -> MatchProblem:
-    return MatchProblem.of(grown(), body()) if with_handle else MatchProblem.of(body(), grown())
+    return MatchProblem.of(*shapes(with_handle))
 
 
 def turned_about(axis: int) -> np.ndarray:
@@ -52,8 +58,7 @@ def tips() -> list[int]:
 
 
 def with_landmarks(with_handle: bool, *pairs: tuple[int, int]) -> MatchProblem:
-    shapes = (grown(), body()) if with_handle else (body(), grown())
-    return MatchProblem.of(*shapes, landmarks=pairs)
+    return MatchProblem.of(*shapes(with_handle), landmarks=pairs)
 
 
 def error(of: MatchProblem, p2p: np.ndarray) -> float:
@@ -106,7 +111,7 @@ def test_nothing_is_sought_where_the_map_is_clear_or_the_shapes_have_as_many_han
     assert robust_to_shortcuts(given, clear) is clear
     below = replace(seen.best, hks_agreement=given.parameters.grown_clear - 0.01)
     assert robust_to_shortcuts(given, Found(replace(seen, best=below), False)).decision is not seen
-    alike = MatchProblem.of(body(), body())
+    alike = MatchProblem.of(prepared_body(), prepared_body())
     wrong = found(alike, turned_about(0), 1.0)
     assert robust_to_shortcuts(alike, wrong) is wrong
 
@@ -134,7 +139,7 @@ def test_a_boundary_nearer_than_a_shortcut_counts_as_before() -> None:
 def test_the_search_keeps_to_the_hand_that_was_found() -> None:
     """Matched as a mirror image of Y, the better map is one onto that image, too."""
     mirrored = Surface(grown().vertices * [-1, 1, 1], grown().faces[:, ::-1])
-    given = MatchProblem.of(body(), mirrored)
+    given = MatchProblem.of(prepared_body(), mirrored)
     turned = given.with_mirrored_y()
     wrong = replace(found(turned, turned_about(2), 1.2), mirrored=True)
     better = robust_to_shortcuts(given, wrong)
@@ -144,7 +149,7 @@ def test_the_search_keeps_to_the_hand_that_was_found() -> None:
 
 def test_what_hints_did_to_the_choice_is_known_of_places_too() -> None:
     end = int((body().vertices @ [0.0, -1.0, 0.3]).argmax())
-    given = MatchProblem.of(body(), grown(), landmarks=[(end, end)])
+    given = with_landmarks(False, (end, end))
     # Turned places may agree with the landmark.
     better = robust_to_shortcuts(given, found(given, turned_about(2), 1.2), PartialParameters(turned=0))
     assert error(given, better.decision.best.dense.p2p) < 0.03
