@@ -142,10 +142,13 @@ def prepared_shape_of(
     return _kept(key, prepared, workers=workers)
 
 
-def symmetry_of(surface: Surface, progress: bool = False, workers: int | None = None) -> Symmetry:
-    """Self-symmetry of a surface, see `self_symmetry`."""
-    key = content_key("symmetry", surface.vertices, surface.faces, MatchingParameters())
-    return _kept(key, lambda: self_symmetry(prepared_shape_of(surface, progress)), workers=workers)
+def symmetry_of(
+    shape: Surface | Repair, progress: bool = False, workers: int | None = None, repair: RepairOption = "auto"
+) -> Symmetry:
+    """Self-symmetry of a shape, see `self_symmetry`: on the vertices that were given, of a `Repair` too."""
+    shape, repair = _mended(shape, repair)
+    key = content_key("symmetry", *_content(shape), MatchingParameters(), repair)
+    return _kept(key, lambda: self_symmetry(prepared_shape_of(shape, progress, repair=repair)), workers=workers)
 
 
 def correspondence_of(

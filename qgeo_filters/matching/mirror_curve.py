@@ -61,7 +61,7 @@ def mirror_plane(surface: Surface, images: FloatArray) -> MirrorPlane:
     return MirrorPlane(plane.normal, plane.origin, float(np.sqrt(weights @ gaps**2 / surface.area)))
 
 
-def left_right_difference(surface: Surface, images: FloatArray) -> FloatArray:
+def left_right_difference(surface: Surface, images: FloatArray, normals: FloatArray | None = None) -> FloatArray:
     """How far each vertex stands out of the mirror image of the other side, (n,), in the unit of the mesh.
 
     The other side is reflected in the plane of `mirror_plane`. The distance is measured along the normal at the vertex:
@@ -74,9 +74,11 @@ def left_right_difference(surface: Surface, images: FloatArray) -> FloatArray:
     images : (n, 3) float64
         Mirror point of each vertex, such as ``symmetry.barycentric.pulled_back(surface.vertices)``; NaN where there is
         none, and then in the result.
+    normals : (n, 3) float64, optional
+        Which way is out at each vertex; by default by the faces.
     """
     gaps = surface.vertices - mirror_plane(surface, images).reflected(images)
-    return np.einsum("ij,ij->i", gaps, surface.vertex_normals)
+    return np.einsum("ij,ij->i", gaps, surface.vertex_normals if normals is None else normals)
 
 
 def zero_curves(surface: Surface, values: FloatArray) -> tuple[FloatArray, ...]:

@@ -3,6 +3,9 @@
 Each takes meshes of Open3D, PyMeshLab, PyVista or trimesh, paths and Surfaces alike, works in JupyterLab, Notebook 7
 and Voila, has traits that can be read, set and observed from Python, and writes itself with ``.to_html(path)``
 to one page that opens offline. What goes wrong is a sentence in the widget.
+
+What is shown is the mesh that was given, with its own vertices, faces and attributes, also where ``repair=`` has its
+repair, or the closed surface around it, measured and matched in its place.
 """
 
 from __future__ import annotations
@@ -17,6 +20,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from qgeo_filters._typing import RepairOption
     from qgeo_filters.collection.collection import Collection
     from qgeo_filters.collection.consistent import How
     from qgeo_filters.differential.scalar import Scalar
@@ -163,6 +167,7 @@ def compare(
     texture: str | os.PathLike[str] | npt.ArrayLike | None = None,
     texture_coordinates: str | npt.ArrayLike | None = None,
     curvature_weight: float = CURVATURE_WEIGHT,
+    repair: RepairOption = "auto",
     size: tuple[int, int] = (440, 400),
     progress: bool = True,
 ) -> CompareWidget:
@@ -175,13 +180,13 @@ def compare(
     Parameters
     ----------
     x, y : mesh objects
-        What `qgeo_filters.as_surface` takes; of raw CT and models in many pieces `qgeo_filters.wrap_surface`, the
-        surface of which is shown, picked and matched. ``wrap.origin[i]`` is the vertex of the mesh at its vertex i.
+        What `qgeo_filters.as_surface` takes, or a `Repair`, of which the mesh that was given is shown.
     p2p : MatchResult, or array-like of int, shape (n_x,), optional
-        What `qgeo_filters.match` returned, with its regions, its score and whether it is sure; or the vertex of Y for
-        each vertex of X. By default found by `qgeo_filters.match`, with a progress bar.
+        What `qgeo_filters.match` returned, with its regions, its score and whether it is sure; of wraps and of parts,
+        too. Or the vertex of Y for each vertex of X; -1: no partner, which is grey. By default found by
+        `qgeo_filters.match`, with a progress bar.
     truth : array-like of int, shape (n_x,), optional
-        The true map, to show the error.
+        The true map, to show the error; -1: not known.
     texture : path, or array-like, shape (h, w), (h, w, 3) or (h, w, 4), optional
         A picture on X, carried to Y: a file that Pillow reads, bytes, or numbers from 0 to 1. Of more than 1024 pixels
         a side it is made smaller. The backend of pythreejs shows its colours at the vertices alone.
@@ -191,6 +196,10 @@ def compare(
         one; else the picture is thrown at X from the front of the first view.
     curvature_weight : float
         Of the lifted metric in which distances are shown; 0 is the surfaces' own.
+    repair : bool, "auto", "force" or "wrap"
+        What is measured and matched in place of the meshes, as in `qgeo_filters.match`: with "wrap" the closed surface
+        around each, for raw CT and models in many pieces. All vertices are those of the meshes that were given; where
+        one has no place on what is measured it is grey. A match of wraps brings its own.
     size : (int, int)
         Width and height of each canvas in pixels.
     progress : bool
@@ -216,6 +225,7 @@ def compare(
         texture=texture,
         texture_coordinates=texture_coordinates,
         curvature_weight=curvature_weight,
+        repair=repair,
         size=size,
         progress=progress,
     )
@@ -228,6 +238,7 @@ def geodesics(
     *,
     curvature_weight: float = CURVATURE_WEIGHT,
     scalar: Scalar = "mean_curvature",
+    repair: RepairOption = "auto",
     size: tuple[int, int] = (500, 420),
 ) -> GeodesicsWidget:
     """Widget of the shortest path between two points that are clicked, and of the one that straightening alone finds.
@@ -247,6 +258,8 @@ def geodesics(
         Of the lifted metric at first; 0 is the surface's own.
     scalar : str, array-like or callable
         What lifts the metric, see `qgeo_filters.surface_scalar`.
+    repair : bool, "auto", "force" or "wrap"
+        What is measured in place of the mesh, as in filters, see `compare`. The mesh that was given is shown.
     size : (int, int)
         Width and height of the canvas in pixels.
 
@@ -260,11 +273,24 @@ def geodesics(
     """
     from qgeo_widgets.geodesics_widget import GeodesicsWidget
 
-    return GeodesicsWidget(x, source=source, target=target, curvature_weight=curvature_weight, scalar=scalar, size=size)
+    return GeodesicsWidget(
+        x,
+        source=source,
+        target=target,
+        curvature_weight=curvature_weight,
+        scalar=scalar,
+        repair=repair,
+        size=size,
+    )
 
 
 def matrix(
-    x: Any, *, matrix: npt.ArrayLike | None = None, curvature_weight: float = CURVATURE_WEIGHT, size: int = 430
+    x: Any,
+    *,
+    matrix: npt.ArrayLike | None = None,
+    curvature_weight: float = CURVATURE_WEIGHT,
+    repair: RepairOption = "auto",
+    size: int = 430,
 ) -> MatrixWidget:
     """Widget of the distance matrix beside the shape (paper, Fig. 1).
 
@@ -279,6 +305,8 @@ def matrix(
         Distances in mesh units; by default those of at most 600 evenly spaced vertices to all are computed.
     curvature_weight : float
         Of the lifted metric; 0 is the surface's own.
+    repair : bool, "auto", "force" or "wrap"
+        What is measured in place of the mesh, as in filters, see `compare`. The mesh that was given is shown.
     size : int
         Width and height of each canvas in pixels.
 
@@ -293,11 +321,16 @@ def matrix(
     """
     from qgeo_widgets.matrix_widget import MatrixWidget
 
-    return MatrixWidget(x, matrix=matrix, curvature_weight=curvature_weight, size=size)
+    return MatrixWidget(x, matrix=matrix, curvature_weight=curvature_weight, repair=repair, size=size)
 
 
 def symmetry(
-    x: Any, *, symmetry: Any = None, curvature_weight: float = CURVATURE_WEIGHT, size: tuple[int, int] = (440, 400)
+    x: Any,
+    *,
+    symmetry: Any = None,
+    curvature_weight: float = CURVATURE_WEIGHT,
+    repair: RepairOption = "auto",
+    size: tuple[int, int] = (440, 400),
 ) -> SymmetryWidget:
     """Widget of a shape's self-symmetry, seen from two opposite sides.
 
@@ -311,9 +344,11 @@ def symmetry(
     x : mesh object
         What `qgeo_filters.as_surface` takes.
     symmetry : Symmetry, optional
-        By default found by `qgeo_filters.self_symmetry`.
+        By default found by `qgeo_filters.self_symmetry`. Of a mesh that was repaired or wrapped, on its own vertices.
     curvature_weight : float
         Of the lifted metric of the eigenfunctions in eq. (3); 0 is the surface's own.
+    repair : bool, "auto", "force" or "wrap"
+        What is measured in place of the mesh, as in filters, see `compare`. The mesh that was given is shown.
     size : (int, int)
         Width and height of each canvas in pixels.
 
@@ -333,4 +368,4 @@ def symmetry(
     """
     from qgeo_widgets.symmetry_widget import SymmetryWidget
 
-    return SymmetryWidget(x, symmetry=symmetry, curvature_weight=curvature_weight, size=size)
+    return SymmetryWidget(x, symmetry=symmetry, curvature_weight=curvature_weight, repair=repair, size=size)

@@ -61,7 +61,7 @@ class AnimateWidget(ShapeWidget):
         with self._guarded():
             named = animations_of(animation)
             self._times = named[-1][1].times
-            self._shapes = [Shape(moving.surface, name) for name, moving in named]
+            self._shapes = [Shape(moving.surface, name, repair=False) for name, moving in named]
             animations = [moving for _, moving in named]
             player = Player(self._times, _checked_seconds(seconds, len(self._times)))
             transfer = animations[-1]

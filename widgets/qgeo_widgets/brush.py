@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
+from qgeo_filters._typing import FloatArray
 from qgeo_filters.surface import Surface
 
 #: Radius of the brush, in sqrt(area).
@@ -18,15 +19,19 @@ class Brush:
     Parameters
     ----------
     surface : Surface
+    normals : (n, 3) float64
+        Which way each vertex faces.
+    unit : float
+        What sqrt(area) is taken for.
     """
 
-    def __init__(self, surface: Surface) -> None:
+    def __init__(self, surface: Surface, normals: FloatArray, unit: float) -> None:
         self._surface = surface
+        self._normals = normals
         self._tree = cKDTree(surface.vertices)
-        self._radius = RADIUS * float(np.sqrt(surface.area))
+        self._radius = RADIUS * unit
 
     def dab(self, vertex: int) -> npt.NDArray[np.int64]:
         """Vertices around one, itself among them; not those of the other side of a thin part."""
         around = np.asarray(self._tree.query_ball_point(self._surface.vertices[vertex], self._radius), dtype=np.int64)
-        normals = self._surface.vertex_normals
-        return np.union1d(around[normals[around] @ normals[vertex] > 0], [vertex])
+        return np.union1d(around[self._normals[around] @ self._normals[vertex] > 0], [vertex])

@@ -60,7 +60,7 @@ class CollectionWidget(ShapeWidget):
         with self._guarded():
             self.names, pages = _shown(list(shapes.names if isinstance(shapes, Collection) else shapes), template, page)
             surfaces = self._surfaces(shapes)
-            self._template = Shape(surfaces[0], self.names[0])
+            self._template = Shape(surfaces[0], self.names[0], repair=False)
             self._places = self._maps_to_template(
                 dict(zip(self.names, surfaces, strict=True)), self._known_maps(shapes, maps)
             )

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import traitlets
 
+from qgeo_filters._typing import RepairOption
 from qgeo_filters.validation import checked_index, checked_indices
 from qgeo_widgets import controls
 from qgeo_widgets.brush import Brush
@@ -18,6 +19,7 @@ from qgeo_widgets.matching_widget import SIDES
 from qgeo_widgets.rendering.backends import new_viewer
 from qgeo_widgets.rendering.scene_placement import aligned_placement, placement_of
 from qgeo_widgets.shape import Shape
+from qgeo_widgets.shown_match import wraps_of_match
 from qgeo_widgets.worst_list import WorstList
 
 if TYPE_CHECKING:
@@ -38,6 +40,7 @@ class CompareWidget(ComparedColors):
     """
 
     _page_title = "Two shapes and the map between them"
+    _takes_repair = True
     follow = traitlets.Bool(True)
     brush = traitlets.Bool(False)
 
@@ -51,17 +54,24 @@ class CompareWidget(ComparedColors):
         texture: Any,
         texture_coordinates: Any,
         curvature_weight: float,
+        repair: RepairOption,
         size: tuple[int, int],
         progress: bool,
     ) -> None:
         super().__init__()
         with self._guarded():
-            self._set_up((Shape(x, "X", curvature_weight), Shape(y, "Y", curvature_weight)), p2p, progress)
+            with self._long.during("Repairing the shapes"):
+                around = wraps_of_match(x, y, repair, p2p)
+                one, other = (
+                    Shape(mesh, name, curvature_weight, repair=repair) for mesh, name in zip(around, "XY", strict=True)
+                )
+            self._set_up((one, other), p2p, progress)
             surfaces = [shape.surface for shape in self._shapes]
             self._set_truth(truth)
-            placement_x = placement_of(surfaces[0])
-            seen = surfaces[1].vertices[self._map.forward]
-            placement_y = aligned_placement(surfaces[1], seen, placement_x.to_scene(surfaces[0].vertices))
+            placement_x = placement_of(one.surface, one.measured)
+            known = self._map.forward >= 0
+            seen, targets = other.surface.vertices[self._map.forward[known]], one.surface.vertices[known]
+            placement_y = aligned_placement(other.surface, seen, placement_x.to_scene(targets), other.measured)
             self._set_texture(texture, texture_coordinates, placement_x.to_scene(surfaces[0].vertices))
             titles = [f"<b>{s.name}</b>, {s.surface.n_vertices} vertices" for s in self._shapes]
             viewer = new_viewer(surfaces, [placement_x, placement_y], size, titles)
@@ -87,7 +97,7 @@ class CompareWidget(ComparedColors):
 
     @property
     def pairs(self) -> list[tuple[int, int]]:
-        """Vertex of X and vertex of Y for each point that was clicked."""
+        """Vertex of X and vertex of Y for each point that was clicked; -1 where it has no partner."""
         return [self._pair(pick) for pick in (self.picked, self.second) if pick is not None]
 
     # -- the map ------------------------------------------------------------------------------------
@@ -115,7 +125,7 @@ class CompareWidget(ComparedColors):
         self.set_trait("second", None)
         self.picked = ("x", vertex)
         viewer = self._open_viewer
-        facing = viewer.panes[0].placement.axes @ self._shapes[0].surface.vertex_normals[vertex]
+        facing = viewer.panes[0].placement.axes @ self._shapes[0].normals[vertex]
         upright = np.clip(facing, [-1.0, -0.9, -1.0], [1.0, 0.9, 1.0])  # not along the axis that it turns about
         if np.linalg.norm(upright) > 0:
             viewer.reset()  # it may have been moved aside
@@ -132,8 +142,8 @@ class CompareWidget(ComparedColors):
 
     @cached_property
     def _brushes(self) -> tuple[Brush, Brush]:
-        one, other = self._shapes
-        return Brush(one.surface), Brush(other.surface)
+        one, other = (Brush(shape.surface, shape.normals, shape.unit) for shape in self._shapes)
+        return one, other
 
     def _dab(self, side: int, vertex: int) -> None:
         touched = self._brushes[side].dab(vertex)
@@ -169,7 +179,7 @@ class CompareWidget(ComparedColors):
             for slot, pick in (("first", self.picked), ("second", self.second)):
                 pair = (None, None) if pick is None else self._pair(pick)
                 for pane, vertex in zip(self._viewer.panes, pair, strict=True):
-                    place = None if vertex is None else pane.surface.vertices[vertex]
+                    place = None if vertex is None or vertex < 0 else pane.surface.vertices[vertex]
                     pane.set_mark(slot, place, _COLORS[slot])
             lengths: list[str] = []
             with self._guarded():  # between two pieces there is no path, the points are described all the same
@@ -184,15 +194,19 @@ class CompareWidget(ComparedColors):
         head = ["", "X", "Y"]
         rows = []
         for name, (i, j) in zip(("first point", "second point"), self.pairs, strict=False):
-            rows.append([name, f"vertex {i}", f"vertex {j}"])
-            values = [dict(s.described(v)) for s, v in zip(self._shapes, (i, j), strict=True)]
+            rows.append([name, *(f"vertex {v}" if v >= 0 else "no partner" for v in (i, j))])
+            values = [dict(s.described(v)) if v >= 0 else {} for s, v in zip(self._shapes, (i, j), strict=True)]
             rows += [[key, *(v.get(key, "–") for v in values)] for key in sorted(values[0] | values[1])]
-            if self._truth is not None:
-                rows.append(["error there", f"{self._errors(self._truth)[i]:.4f} √area", ""])
+            if self._truth is not None and i >= 0:
+                error = self._errors(self._truth)[i]
+                rows.append(["error there", f"{error:.4f} √area" if np.isfinite(error) else "not known", ""])
         return controls.table(rows + ([["quasi-geodesic", *lengths]] if lengths else []), head)
 
     def _path_lengths(self) -> list[str]:
-        """Draw the path between two picked points on each shape; its lengths as text, none unless there are two."""
+        """Draw the path between two picked points on each shape; its lengths as text, none unless there are two.
+
+        On what is measured: a wrap lies a little off the mesh that is shown. None on a shape where one has no partner.
+        """
         ends, panes = self.pairs, self._open_viewer.panes
         for pane in panes:
             pane.set_line("path", None)
@@ -202,7 +216,11 @@ class CompareWidget(ComparedColors):
 
         lengths = []
         for side, (pane, shape) in enumerate(zip(panes, self._shapes, strict=True)):
-            path = quasi_geodesic(shape.surface, ends[0][side], ends[1][side], shape.metric)
+            if min(ends[0][side], ends[1][side]) < 0:
+                lengths.append("–")
+                continue
+            source, target = (shape.stand_in(end[side]) for end in ends)
+            path = quasi_geodesic(shape.measured, source, target, shape.metric)
             pane.set_line("path", path.points, _COLORS["first"])
             lengths.append(f"{path.length / shape.unit:.4f} √area")
         return lengths

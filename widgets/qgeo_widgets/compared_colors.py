@@ -13,7 +13,7 @@ from qgeo_filters.defaults import EIGENPAIRS
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.report.colors import position_colors
 from qgeo_widgets.coloring import ATTRIBUTE, CARRIED, EIGENFUNCTION
-from qgeo_widgets.fields import ColorField, Field, ScalarField, number_field, region_field
+from qgeo_widgets.fields import ColorField, Field, ScalarField, grey_where_missing, number_field, region_field
 from qgeo_widgets.matching_widget import MatchingWidget
 from qgeo_widgets.texture import Texture, texture_places
 from qgeo_widgets.vertex_map import VertexMap
@@ -44,8 +44,7 @@ class ComparedColors(MatchingWidget):
 
     def _set_truth(self, truth: Any) -> None:
         """The map that errors are against, or None."""
-        one, other = (shape.surface for shape in self._shapes)
-        self._truth = None if truth is None else VertexMap(one, other, truth, "truth")
+        self._truth = None if truth is None else self._map_of(truth, "truth")
         self._errors_of: dict[bool, FloatArray] = {}
 
     def _set_texture(self, texture: Any, coordinates: Any, on_scene: FloatArray) -> None:
@@ -88,7 +87,7 @@ class ComparedColors(MatchingWidget):
 
     def _columns(self, mode: str) -> int:
         if mode == EIGENFUNCTION:
-            return min(EIGENPAIRS, *(shape.surface.n_vertices for shape in self._shapes))
+            return min(EIGENPAIRS, *(shape.measured.n_vertices for shape in self._shapes))
         if mode.startswith(ATTRIBUTE):
             return max(shape.columns(mode.removeprefix(ATTRIBUTE)) for shape in self._shapes)
         return 1
@@ -99,59 +98,81 @@ class ComparedColors(MatchingWidget):
         return position_colors(surface.vertices, self._open_viewer.panes[0].placement.axes)
 
     def _carried_field(self, k: int) -> Field:
-        colors = self._position_colors
+        colors = [grey_where_missing(each) for each in self._on_both(self._position_colors)]
         label = "each point of Y has the colour of its partner on X; on X the colour tells the place"
-        return ColorField([colors, self._carried(colors)], label)
+        return ColorField(colors, label + self._note)
 
     def _checker_field(self, k: int) -> Field:
         places = self._open_viewer.panes[0].placement.to_scene(self._shapes[0].surface.vertices) / _CELL
-        colors = self._position_colors
+        colors = [grey_where_missing(each) for each in self._on_both(self._position_colors)]
         label = "a checkerboard through the space around X, carried to Y: where the map tears, many cells crowd"
-        return ColorField([colors, self._carried(colors)], label, cells=[places, self._carried(places)])
+        return ColorField(colors, label + self._note, cells=self._on_both(places))
 
     def _texture_field(self, texture: Texture, k: int) -> Field:
-        places = [self._places, self._carried(self._places)]
+        places = self._on_both(self._places)
         label = "the texture of X, carried to Y: where the map tears, it is stretched"
-        return ColorField([texture.at(each) for each in places], label, places=places)
+        return ColorField([texture.at(each) for each in places], label + self._note, places=places)
+
+    @property
+    def _note(self) -> str:
+        """What grey means, where there is any."""
+        return "; grey: no partner" if any(self._map.unmatched) else ""
+
+    def _on_both(self, values: FloatArray) -> list[FloatArray]:
+        """Values (n, d) of X on X and, carried, on Y; NaN where a vertex has no partner."""
+        return [np.where(self._map.forward[:, None] >= 0, values, np.nan), self._carried(values)]
 
     def _carried(self, values: FloatArray) -> FloatArray:
         """Values (n, d) of X on Y: within triangles where the match is known, else from vertex to vertex."""
-        found = self._correspondence
+        found, simply = self._correspondence, self._map.on_y(values)
         if found is None or self._map is not self._given:
-            return values[self._map.backward]
+            return simply
         carried = found.transfer(values)
-        return np.where(np.isfinite(carried), carried, values[self._map.backward])
+        return np.where(np.isfinite(carried), carried, simply)
 
     def _region_field(self, found: MatchResult, k: int) -> Field:
-        return region_field([found.regions_x, found.regions_y], "regions of one colour belong together")
+        return region_field(
+            [found.regions_x, found.regions_y], "regions of one colour belong together", loose_name="no partner"
+        )
 
     def _distortion_field(self, found: MatchResult, k: int) -> Field:
         label = "mean |d(p, q) − d(Tp, Tq)| of the map that was found / √area"
-        return ScalarField([found.distortion, found.distortion[self._given.backward]], label)
+        return ScalarField([found.distortion, self._given.on_y(found.distortion)], label)
 
     def _eigen_field(self, k: int) -> Field:
         on_x, on_y = (shape.eigenfunction(k) for shape in self._shapes)
         # An eigenfunction has no sign of its own: that of Y is turned to agree with X through the map.
-        agreement = float((self._shapes[0].surface.vertex_areas * on_x) @ on_y[self._map.forward])
+        images = self._map.forward
+        products = np.where(images >= 0, on_x * on_y[images], np.nan)
+        agreement = np.nansum(self._shapes[0].surface.vertex_areas * products)
         return ScalarField([on_x, on_y if agreement >= 0 else -on_y], f"φ{_small(k)} √A (no unit)", True)
 
     def _distance_field(self, k: int) -> Field:
         ends = self.pairs[0]
-        fields = [shape.distances_from(v) for shape, v in zip(self._shapes, ends, strict=True)]
-        return ScalarField(fields, f"distance from vertex {ends[0]} of X and {ends[1]} of Y / √area")
+        fields = [
+            shape.distances_from(v) if v >= 0 else np.full(shape.surface.n_vertices, np.nan)
+            for shape, v in zip(self._shapes, ends, strict=True)
+        ]
+        at = " and ".join(f"{v} of {shape.name}" for shape, v in zip(self._shapes, ends, strict=True) if v >= 0)
+        alone = ", which has no partner," if min(ends) < 0 else ""
+        return ScalarField(fields, f"distance from vertex {at}{alone} / √area")
 
     def _errors(self, truth: VertexMap) -> FloatArray:
-        from qgeo_filters.evaluation import geodesic_error
+        """Error of each vertex of X (n_x,); NaN where it has no partner, or the truth is not known."""
+        from qgeo_filters.matching.map_errors import map_errors
 
         if self.flip not in self._errors_of:
-            y = self._shapes[1].surface
-            self._errors_of[self.flip] = geodesic_error(self._map.forward, truth.forward, y)
+            y = self._shapes[1]
+            self._errors_of[self.flip] = map_errors(y.surface, self._map.forward, truth.forward, False, y.repair)
         return self._errors_of[self.flip]
 
     def _error_field(self, truth: VertexMap, k: int) -> Field:
         errors = self._errors(truth)
-        label = f"geodesic error on Y / √area (mean {errors.mean():.4f}, largest {errors.max():.4f})"
-        return ScalarField([errors, errors[self._map.backward]], label)
+        known = errors[np.isfinite(errors)]
+        said = f"mean {known.mean():.4f}, largest {known.max():.4f}" if known.size else "of no vertex known"
+        if 0 < known.size < len(errors):
+            said += f", of {known.size} of {len(errors)} vertices"
+        return ScalarField([errors, self._map.on_y(errors)], f"geodesic error on Y / √area ({said})")
 
     def _attribute_field(self, name: str, k: int) -> Field:
         return number_field([shape.attribute_or_nan(name, k) for shape in self._shapes], name)
@@ -160,7 +181,7 @@ class ComparedColors(MatchingWidget):
         on_x = np.full(self._shapes[0].surface.n_vertices, -1)
         on_x[list(self.painted)] = 0
         label = f"{len(self.painted)} vertices painted on X, and where they are on Y"
-        return region_field([on_x, on_x[self._map.backward]], label, ["painted"], "the rest")
+        return region_field([on_x, self._map.on_y(on_x)], label, ["painted"], "the rest")
 
 
 def _small(number: int) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, IndexArray
-from qgeo_filters.report.colors import ColorScale, distinct, diverging, sequential
+from qgeo_filters.report.colors import MISSING, ColorScale, distinct, diverging, sequential
 from qgeo_widgets.legend import color_bar, swatches
 from qgeo_widgets.legend_drawing import bar_drawing, swatch_drawing
 
@@ -159,6 +159,11 @@ class RegionField:
 
 
 Field = ScalarField | ColorField | RegionField
+
+
+def grey_where_missing(rgb: FloatArray) -> FloatArray:
+    """Colours (n, 3), grey where they are not finite."""
+    return np.where(np.isfinite(rgb), rgb, MISSING)
 
 
 def region_field(

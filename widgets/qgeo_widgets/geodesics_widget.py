@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import traitlets
 
+from qgeo_filters._typing import RepairOption
 from qgeo_filters.defaults import CURVATURE_WEIGHT
 from qgeo_filters.differential.scalar import Scalar, surface_scalar
 from qgeo_filters.geodesics.matrix import distances
@@ -49,12 +50,13 @@ class GeodesicsWidget(ShapeWidget):
     place : float
         Where on the path the cursor stands, from 0 at the source to 1.
     path : GeodesicPath or None
-        The shortest path, which is shown.
+        The shortest path, which is shown: on what is measured, as are its triangles.
     path_before : GeodesicPath or None
         The other one.
     """
 
     _page_title = "A quasi-geodesic"
+    _takes_repair = True
     source = traitlets.Int(None, allow_none=True)
     target = traitlets.Int(None, allow_none=True)
     curvature_weight = traitlets.Float(CURVATURE_WEIGHT, min=0.0)
@@ -65,23 +67,27 @@ class GeodesicsWidget(ShapeWidget):
 
     def __init__(
         self, mesh: Any, *, source: int | None, target: int | None, curvature_weight: float, scalar: Scalar,
-        size: tuple[int, int],
+        repair: RepairOption, size: tuple[int, int],
     ) -> None:  # fmt: skip
         super().__init__()
         with self._guarded():
-            self._shape = Shape(mesh, "X", curvature_weight, scalar)
-            surface = self._shape.surface
-            self._scalar = surface_scalar(surface, scalar)
+            with self._long.during("Repairing the shape"):
+                shape = self._shape = Shape(mesh, "X", curvature_weight, scalar, repair, "all")
+            surface = shape.surface
+            self._scalar = surface_scalar(shape.measured, shape.scalar)
             self._distances: tuple[tuple[int, float], npt.NDArray[np.float64]] | None = None
             self._pairs_of: tuple[float, PathPairs] | None = None
             self.curvature_weight = curvature_weight
             viewer = new_viewer(
-                [surface], [placement_of(surface)], size, [f"<b>shape</b>, {surface.n_vertices} vertices"]
+                [surface],
+                [placement_of(surface, shape.measured)],
+                size,
+                [f"<b>shape</b>, {surface.n_vertices} vertices"],
             )
             self._modes = {SCALAR: self._scalar_field, DISTANCE: self._distance_field}
             for name in surface.attributes:
                 self._modes[ATTRIBUTE + name] = partial(self._attribute_field, name)
-            top, live = max(0.3, curvature_weight), surface.n_vertices <= _LIVE
+            top, live = max(0.3, curvature_weight), shape.measured.n_vertices <= _LIVE
             weight = controls.number("curvature weight λ", curvature_weight, 0.0, top, 0.005, live=live)
             before = controls.tick("before: straightened from edges", True, "thin and grey; locally shortest only")
             self._chart = ipywidgets.HTML(layout={"margin": "0"})
@@ -164,7 +170,7 @@ class GeodesicsWidget(ShapeWidget):
         if self.source is None or self.target is None:
             return None
         self._info.value = controls.table([["Seeking the shortest path …"]])  # up to seconds on a large shape
-        return self._pairs.between(self.source, self.target)
+        return self._pairs.between(*(self._shape.stand_in(vertex) for vertex in (self.source, self.target)))
 
     @property
     def _pairs(self) -> PathPairs:
@@ -203,11 +209,13 @@ class GeodesicsWidget(ShapeWidget):
             ["locally shortest", *("yes" if each.converged else "no" for each in both), ""],
         ]
         head = [f"vertex {self.source} to {self.target}", "shortest", "before: straightened from edges", "along edges"]
+        if self._shape.report:
+            rows.append(["in place of the mesh", self._shape.report])
         self._info.value = controls.table(rows, head)
 
     def _felt(self, path: GeodesicPath) -> npt.NDArray[np.float64]:
         """The scalar at the points of a path."""
-        corners = self._scalar[self._shape.surface.faces[path.faces]]
+        corners = self._scalar[self._shape.measured.faces[path.faces]]
         return np.einsum("pi,pi->p", corners, path.barycentric)
 
     def _way(self, path: GeodesicPath) -> npt.NDArray[np.float64]:
@@ -230,14 +238,14 @@ class GeodesicsWidget(ShapeWidget):
     # -- colours ------------------------------------------------------------------------------------
 
     def _scalar_field(self, k: int) -> Field:
-        return ScalarField([self._scalar], "f, in standard deviations", True)
+        return ScalarField([self._shape.carried(self._scalar)], "f, in standard deviations", True)
 
     def _distance_field(self, k: int) -> Field:
         source = chosen(self.source)
         key = source, self.curvature_weight
         if self._distances is None or self._distances[0] != key:
-            row = distances(self._shape.surface, [source], self._pairs.metric)[0] / self._shape.unit
-            self._distances = key, row
+            row = distances(self._shape.measured, [self._shape.stand_in(source)], self._pairs.metric)[0]
+            self._distances = key, self._shape.carried(row) / self._shape.unit
         return ScalarField(
             [self._distances[1]], f"distance from vertex {source} at λ = {self.curvature_weight:.3f} / √area"
         )

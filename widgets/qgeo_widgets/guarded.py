@@ -13,7 +13,7 @@ from qgeo_filters.errors import QgeoError
 from qgeo_widgets import controls
 from qgeo_widgets.long_work import LongWork
 
-# What the library's advice calls an argument of other functions: what there is to call in a notebook.
+# What the library's advice calls an argument of other functions: what there is to call where a widget has none.
 _ADVICE = {
     "repair=True": "qg.repair_surface(mesh)",
     "repair='force'": "qg.repair_surface(mesh, force=True)",
@@ -31,6 +31,8 @@ class GuardedWidget(ipywidgets.VBox):
     hint : str
         What there is to do before the mode can be shown; empty when it is shown.
     """
+
+    _takes_repair = False  # what the library's advice calls an argument is one of the widget, too
 
     message = traitlets.Unicode()
     hint = traitlets.Unicode()
@@ -54,7 +56,8 @@ class GuardedWidget(ipywidgets.VBox):
                 self.message = ""
             yield
         except (QgeoError, OSError) as error:
-            self.message = _for_notebooks(" ".join(str(error).split()))
+            sentence = " ".join(str(error).split())
+            self.message = sentence if self._takes_repair else _for_notebooks(sentence)
         finally:
             self._guards -= 1
 

@@ -54,13 +54,12 @@ class LandmarkList(ipywidgets.VBox):
         use: Callable[[], None],
         match_again: Callable[[], None],
         load: Callable[[Path, Sequence[str]], None],
-        in_files: Callable[[Sequence[tuple[int, int]]], Sequence[tuple[int, int]]],
     ) -> None:
         self.use = controls.button("use as landmark", "the point picked on X belongs where the one picked on Y is")
         self.again = controls.button("match again", "seek the map with these landmarks")
         self.use.on_click(lambda _: use())
         self.again.on_click(lambda _: match_again())
-        self._load, self._in_files = load, in_files
+        self._load = load
         self.files = ipywidgets.FileUpload(
             description="load",
             multiple=True,
@@ -109,7 +108,7 @@ class LandmarkList(ipywidgets.VBox):
         self.files.value = ()
 
     def _show(self) -> None:
-        data = base64.b64encode(landmark_table(self._in_files(self.landmarks)).encode()).decode()
+        data = base64.b64encode(landmark_table(self.landmarks).encode()).decode()
         link = f'<a download="landmarks.csv" href="data:text/csv;base64,{data}">save landmarks.csv</a>'
         self._save.value = link if self.landmarks else ""
         old, self._rows.children = self._rows.children, [self._row(*entry) for entry in enumerate(self.landmarks)]

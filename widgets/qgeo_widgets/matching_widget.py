@@ -13,18 +13,19 @@ import numpy as np
 import numpy.typing as npt
 import traitlets
 
+from qgeo_filters._typing import PartialOption
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import ParameterError, QgeoError
 from qgeo_filters.filters import stages
 from qgeo_filters.io.hint_files import read_hints
 from qgeo_filters.matching.hints import vertex_pairs
 from qgeo_filters.matching.match_result import MatchResult
-from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_index
 from qgeo_widgets import controls
 from qgeo_widgets.base import ShapeWidget
 from qgeo_widgets.landmark_list import LandmarkList, landmark_color, landmark_table
 from qgeo_widgets.shape import Shape
+from qgeo_widgets.shown_match import checked_match
 from qgeo_widgets.vertex_map import VertexMap
 
 Pick = tuple[str, int]
@@ -41,8 +42,8 @@ class MatchingWidget(ShapeWidget):
     flip : bool
         Show the mirrored twin of the map: the map followed by the self-symmetry of Y.
     landmarks : list of (int, int)
-        Vertices of X and of Y that are said to belong together: what `match_again` goes by. In files they are those of
-        the meshes that were given, where a `Repair` of each is shown.
+        Vertices of X and of Y that are said to belong together: what `match_again` goes by. As everywhere, those of the
+        meshes that were given, whatever is matched in their place.
     """
 
     picked = traitlets.Tuple(traitlets.Enum(SIDES), traitlets.Int(), default_value=None, allow_none=True)
@@ -54,12 +55,20 @@ class MatchingWidget(ShapeWidget):
         """Take the shapes, and the map or match, or find one."""
         self._shapes = shapes
         self._correspondence: MatchResult | None = None
+        self._partial: PartialOption = "auto"
         if p2p is None:
             p2p = self._found(progress)
         if isinstance(p2p, MatchResult):
-            self._correspondence = _whole(p2p, *(shape.surface for shape in shapes))
-            p2p = p2p.p2p
-        self._map = self._given = VertexMap(shapes[0].surface, shapes[1].surface, p2p)
+            self._correspondence = checked_match(p2p, *(shape.surface for shape in shapes))
+            if min(p2p.overlap_x, p2p.overlap_y) < 1:
+                self._partial = True  # again, too
+        self._map = self._given = self._map_of(p2p)
+
+    def _map_of(self, p2p: npt.ArrayLike | MatchResult, name: str = "p2p") -> VertexMap:
+        """A map between the meshes that were given; backwards as a match says."""
+        x, y = self._shapes
+        images, inverse = (p2p.p2p, p2p.inverse) if isinstance(p2p, MatchResult) else (p2p, None)
+        return VertexMap(x.surface, y.surface, images, name, inverse=inverse, repairs=(x.repair, y.repair))
 
     def _map_controls(self) -> tuple[Sequence[ipywidgets.Widget], Sequence[ipywidgets.Widget]]:
         """Controls of the map, for beside the list of modes, and lines for below the shapes."""
@@ -67,7 +76,7 @@ class MatchingWidget(ShapeWidget):
         flip.observe(lambda change: self._ticked(change["new"]), "value")
         self.observe(lambda _: flip.set_trait("value", self.flip), "flip")
         self._orientation = ipywidgets.HTML()
-        self._list = LandmarkList(self.use_as_landmark, self._match_in_background, self._load_uploaded, self._in_files)
+        self._list = LandmarkList(self.use_as_landmark, self._match_in_background, self._load_uploaded)
         traitlets.link((self, "landmarks"), (self._list, "landmarks"))
         self.observe(lambda _: self._flip(), "flip")
         self.observe(self._show_landmarks, "landmarks")
@@ -81,7 +90,7 @@ class MatchingWidget(ShapeWidget):
 
     @property
     def p2p(self) -> npt.NDArray[np.int64]:
-        """The map that is shown, (n_x,): vertex of Y for each vertex of X."""
+        """The map that is shown, (n_x,): vertex of Y for each vertex of X; -1: no partner."""
         return self._map.forward
 
     def use_as_landmark(self) -> None:
@@ -97,6 +106,10 @@ class MatchingWidget(ShapeWidget):
             if len(picks) > 1 and len(vertices) < 2:
                 raise ParameterError("Both points were picked on one shape: click one on X, and on Y where it belongs.")
             pair = (vertices["x"], vertices["y"]) if len(vertices) > 1 else self._pair(picks[0])
+            if min(pair) < 0:
+                raise ParameterError(
+                    f"Vertex {picks[0][1]} of {picks[0][0].upper()} has no partner: click where it belongs, too."
+                )
             others = [(i, j) for i, j in self.landmarks if i != pair[0] and j != pair[1]]
             self.landmarks = [*others, pair]
 
@@ -108,7 +121,7 @@ class MatchingWidget(ShapeWidget):
     def save_landmarks(self, path: str | PathLike[str]) -> None:
         """Write the landmarks as CSV, a vertex of X and one of Y a line: what `load_landmarks` and commands read."""
         with atomic_write(path) as file:
-            file.write(landmark_table(self._in_files(self.landmarks)).encode())
+            file.write(landmark_table(self.landmarks).encode())
 
     def load_landmarks(self, *paths: str | PathLike[str]) -> None:
         """Take landmarks from files, in place of those that are there.
@@ -126,30 +139,34 @@ class MatchingWidget(ShapeWidget):
             those from before.
         """
         found = read_hints([Path(path) for path in paths])
-        pairs = vertex_pairs(found, *(shape.given for shape in self._shapes))
-        sides = (shape.landmarks_of_given(column) for shape, column in zip(self._shapes, pairs.T, strict=True))
-        self.landmarks = list(zip(*sides, strict=True))
+        pairs = vertex_pairs(found, *(shape.surface for shape in self._shapes))
+        for shape, column in zip(self._shapes, pairs.T, strict=True):
+            shape.check_landmarks(column)
+        self.landmarks = [(int(i), int(j)) for i, j in pairs]
 
     # -- inside -------------------------------------------------------------------------------------
 
-    def _in_files(self, landmarks: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
-        """Landmarks as vertices of the meshes that were given."""
-        columns = zip(*landmarks, strict=True) if landmarks else ((), ())
-        sides = (shape.vertices_of_given(column) for shape, column in zip(self._shapes, columns, strict=True))
-        return list(zip(*sides, strict=True))
-
     def _found(self, progress: bool) -> MatchResult:
-        one, other = (shape.surface for shape in self._shapes)
+        (one, repair_one), (other, repair_other) = (shape.to_match for shape in self._shapes)
         landmarks = list(self.landmarks) or None
         with self._long.during("Seeking the map", at_once=True):
-            return stages.correspondence_of(one, other, True, progress, partial=False, landmarks=landmarks)
+            return stages.correspondence_of(
+                one,
+                other,
+                True,
+                progress,
+                repair_x=repair_one,
+                repair_y=repair_other,
+                partial=self._partial,
+                landmarks=landmarks,
+            )
 
     def _take(self, found: MatchResult) -> None:
         """Show the map that was found."""
         if self._viewer is None:  # closed meanwhile
             return
         self._correspondence = found
-        self._given = VertexMap(self._shapes[0].surface, self._shapes[1].surface, found.p2p)
+        self._given = self._map_of(found)
         if self.flip:
             self.flip = False  # which shows the map
         else:
@@ -201,8 +218,9 @@ class MatchingWidget(ShapeWidget):
 
     @cached_property
     def _mirror(self) -> npt.NDArray[np.integer] | None:
-        """Mirror vertex of each vertex of Y; None where no symmetry is found."""
-        symmetry = stages.symmetry_of(self._shapes[1].surface)
+        """Mirror vertex of each vertex of Y, -1: none; None where no symmetry is found."""
+        shape, repair = self._shapes[1].to_match
+        symmetry = stages.symmetry_of(shape, repair=repair)
         return symmetry.p2p if symmetry.found else None
 
     def _show_orientation(self) -> None:
@@ -217,6 +235,11 @@ class MatchingWidget(ShapeWidget):
             rows.append(
                 ["score", f"{found.score:.4f} √area, mean distortion of distances; {sure}: {found.explanation}"]
             )
+        if any(self._map.unmatched):
+            counts = zip(self._map.unmatched, self._shapes, strict=True)
+            said = (f"{count} of {shape.surface.n_vertices} vertices of {shape.name}" for count, shape in counts)
+            rows.append(["no partner", f"{' and '.join(said)}, which are grey"])
+        rows += [[f"in place of {shape.name}", shape.report] for shape in self._shapes if shape.report]
         self._orientation.value = controls.table(rows)
 
     def _show_landmarks(self, change: Any) -> None:
@@ -243,31 +266,8 @@ class MatchingWidget(ShapeWidget):
         return pairs
 
     def _pair(self, pick: Pick) -> tuple[int, int]:
-        """Vertex of X and of Y: the one that was picked, and its partner."""
+        """Vertex of X and of Y: the one that was picked, and its partner, -1: none."""
         side, vertex = pick
         if side == "x":
             return vertex, int(self._map.forward[vertex])
         return int(self._map.backward[vertex]), vertex
-
-
-def _whole(found: MatchResult, x: Surface, y: Surface) -> MatchResult:
-    """The match, where it is one of these shapes and maps every vertex."""
-    matched, shown = (found.x.n_vertices, found.y.n_vertices), (x.n_vertices, y.n_vertices)
-    if (found.wrap_x or found.wrap_y) and (matched != shown or (found.p2p < 0).any()):
-        raise ParameterError(
-            "p2p is a match of wraps, on the vertices that were given, of which those deep inside have no partner, and "
-            "maps of all vertices alone are shown; leave it out, and show the wraps: x and y are qg.wrap_surface(mesh)"
-        )
-    if matched != shown:
-        raise ParameterError(
-            f"p2p is a match of shapes of {matched[0]} and {matched[1]} vertices, but these have {shown[0]} and "
-            f"{shown[1]}: show the shapes that were matched, X first"
-        )
-    alone = int((found.p2p < 0).sum())
-    if alone:
-        raise ParameterError(
-            f"p2p is a match in which {alone} of {shown[0]} vertices of X have no partner (shapes of which one is a "
-            "part, or that were repaired), and maps of all vertices alone are shown; match with partial=False, or "
-            "what qg.repair_surface makes of them"
-        )
-    return found

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import traitlets
 
+from qgeo_filters._typing import IndexArray, RepairOption
 from qgeo_filters.caching import cache
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.fingerprint import content_key
@@ -20,7 +21,7 @@ from qgeo_filters.report.colors import ordered_colors
 from qgeo_widgets import controls
 from qgeo_widgets.base import ShapeWidget, chosen
 from qgeo_widgets.coloring import ATTRIBUTE
-from qgeo_widgets.fields import ColorField, Field, Limits, ScalarField, number_field
+from qgeo_widgets.fields import ColorField, Field, Limits, ScalarField, grey_where_missing, number_field
 from qgeo_widgets.legend import css
 from qgeo_widgets.rendering.backends import new_matrix_pane, new_viewer
 from qgeo_widgets.rendering.scene_placement import placement_of
@@ -45,16 +46,20 @@ class MatrixWidget(ShapeWidget):
     """
 
     _page_title = "Distance matrix"
+    _takes_repair = True
     row = traitlets.Int(-1)
     picked = traitlets.Int(None, allow_none=True)
 
-    def __init__(self, mesh: Any, *, curvature_weight: float, matrix: npt.ArrayLike | None, size: int) -> None:
+    def __init__(
+        self, mesh: Any, *, curvature_weight: float, matrix: npt.ArrayLike | None, repair: RepairOption, size: int
+    ) -> None:
         super().__init__()
         with self._guarded():
-            shape = Shape(mesh, "X", curvature_weight)
+            with self._long.during("Repairing the shape"):
+                shape = Shape(mesh, "X", curvature_weight, repair=repair, pieces="all")
             self._shape = shape
             self._placing = False
-            sample = _evenly(shape.surface.n_vertices, _ROWS)
+            sample = _evenly(np.flatnonzero(shape.stand_ins >= 0), _ROWS)
             self._long.announce()
             with self._long.during("Measuring distances", at_once=True):
                 table = _checked_rows(matrix, sample, shape)
@@ -65,7 +70,9 @@ class MatrixWidget(ShapeWidget):
             reached = table[np.isfinite(table)]
             self._span = 0.0, float(reached.max(initial=0.0)) or 1.0  # of the matrix and the shape alike
             image = self._image(None)
-            viewer = new_viewer([shape.surface], [placement_of(shape.surface)], (size, size), [_title(shape)])
+            viewer = new_viewer(
+                [shape.surface], [placement_of(shape.surface, shape.measured)], (size, size), [_title(shape)]
+            )
             self._pane = new_matrix_pane(image, size)
             self._modes = {DISTANCE: self._distance_field, ORDER: self._order_field}
             for name in shape.surface.attributes:
@@ -148,6 +155,11 @@ class MatrixWidget(ShapeWidget):
             self._refresh(new_mode=True)
             return
         nearest = self._row_of_vertex.get(vertex)
+        if nearest is None and self._shape.stand_ins[vertex] < 0:  # near no row
+            self._viewer.panes[0].set_mark("picked", self._shape.surface.vertices[vertex])
+            with self._guarded():
+                self._shape.stand_in(vertex)
+            return
         if nearest is None:
             nearest = int(self._table[:, vertex].argmin())
         self._placing = True  # the line goes to the nearest row, the pick stays
@@ -192,9 +204,11 @@ class MatrixWidget(ShapeWidget):
         return ScalarField([self._distances(picked)], f"distance from vertex {picked} / √area", span=self._span)
 
     def _order_field(self, k: int) -> Field:
-        nearest = self._table.argmin(axis=0)
+        known = np.asarray(np.isfinite(self._table).any(axis=0))
+        nearest = np.where(known, self._table, 0.0).argmin(axis=0)
         label = "each point has the colour of the strip beside the matrix at its row"
-        return ColorField([ordered_colors(len(self._table))[nearest]], label)
+        colors = np.where(known[:, None], ordered_colors(len(self._table))[nearest], np.nan)
+        return ColorField([grey_where_missing(colors)], label)
 
     def _attribute_field(self, name: str, k: int) -> Field:
         return number_field([self._shape.attribute(name, k)], name)
@@ -218,9 +232,9 @@ def _checked_rows(matrix: npt.ArrayLike | None, sample: npt.NDArray[np.int64], s
     """Distances from the sample to all vertices, in units of sqrt(area)."""
     n = shape.surface.n_vertices
     if matrix is None:
-        surface, metric = shape.surface, shape.metric
-        key = content_key("matrix_rows", surface.vertices, surface.faces, metric.edge_lengths, sample)
-        rows = cache.get(key, lambda: distances(surface, sample, metric))
+        surface, metric, sources = shape.measured, shape.metric, shape.stand_ins[sample]
+        key = content_key("matrix_rows", surface.vertices, surface.faces, metric.edge_lengths, sources)
+        rows = shape.carried(cache.get(key, lambda: distances(surface, sources, metric)).T).T
     else:
         given = np.asarray(matrix)
         if given.shape != (n, n):
@@ -229,8 +243,8 @@ def _checked_rows(matrix: npt.ArrayLike | None, sample: npt.NDArray[np.int64], s
     return (rows / shape.unit).astype(np.float32)
 
 
-def _evenly(count: int, most: int) -> npt.NDArray[np.int64]:
-    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
+def _evenly(vertices: IndexArray, most: int) -> IndexArray:
+    return vertices[np.unique(np.linspace(0, len(vertices) - 1, min(len(vertices), most)).round().astype(np.int64))]
 
 
 def _title(shape: Shape) -> str:

@@ -1,27 +1,27 @@
-"""A surface together with what the widgets show of it; expensive things come from the stages that filters share."""
+"""A mesh together with what the widgets show of it; expensive things come from the stages that filters share."""
 
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters._typing import FloatArray, IndexArray, RepairOption
 from qgeo_filters.defaults import CURVATURE_WEIGHT, EIGENPAIRS
 from qgeo_filters.differential.scalar import Scalar
-from qgeo_filters.errors import ParameterError
+from qgeo_filters.errors import MeshError, ParameterError
 from qgeo_filters.filters import stages
+from qgeo_filters.filters.repaired import repaired_values
 from qgeo_filters.geodesics.matrix import distances
 from qgeo_filters.geodesics.metric import LiftedMetric, lifted_metric
-from qgeo_filters.hosts.dispatch import as_surface
-from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.matching.known_parts import landmarks_left
+from qgeo_filters.repair.triangle_soup import Pieces
 from qgeo_filters.spectral.distance_spectrum import Landmarks, is_represented
 from qgeo_filters.spectral.spectrum import Spectrum
 from qgeo_filters.surface import Surface
+from qgeo_widgets.shown_mesh import ShownMesh
 
 _KEPT_FIELDS = 64
 #: Vertices up to which a spectrum or a symmetry is there in no time to speak of.
@@ -31,68 +31,130 @@ QUICK = 1500
 class Shape:
     """Distances, eigenfunctions and attributes of a mesh of any host; lengths are in units of sqrt(area).
 
+    What is shown is the mesh as it was given, and all vertices are its own. What is measured is that, or its repair, or
+    the closed surface around it; fields are carried to the given vertices as filters do, NaN where one has no place.
+
     Parameters
     ----------
     mesh : mesh object
-        What `as_surface` takes; of a `Repair` what it made is shown.
+        What `as_surface` takes, or a `Repair`.
     name : str
     curvature_weight : float
         Of the lifted metric; 0 is the surface's own.
     scalar : str, array-like or callable
         What lifts it, see `surface_scalar`.
+    repair, pieces
+        See `ShownMesh.of`.
+
+    Attributes
+    ----------
+    surface : Surface
+        The mesh that was given, which is shown.
+    repair : Repair or None
+    measured : Surface
+        What lengths are measured on.
+    unit : float
+        Its sqrt(area).
     """
 
     def __init__(
-        self, mesh: Any, name: str, curvature_weight: float = CURVATURE_WEIGHT, scalar: Scalar = "mean_curvature"
+        self,
+        mesh: Any,
+        name: str,
+        curvature_weight: float = CURVATURE_WEIGHT,
+        scalar: Scalar = "mean_curvature",
+        repair: RepairOption = "auto",
+        pieces: Pieces = "largest",
     ) -> None:
-        self.surface: Surface = as_surface(mesh)
-        self.repair = mesh if isinstance(mesh, Repair) else None
+        self._mesh = ShownMesh.of(mesh, repair, pieces)
+        self.surface, self.repair, self.measured = self._mesh.surface, self._mesh.repair, self._mesh.measured
         self.name = name
-        self.unit = float(np.sqrt(self.surface.area))
+        self.unit = float(np.sqrt(self.measured.area))
         self._weight = curvature_weight
-        self._scalar = scalar
+        self.scalar: Scalar = scalar if self.repair is None else repaired_values(self.repair, scalar)
         self._fields: OrderedDict[int, FloatArray] = OrderedDict()
 
     @property
-    def given(self) -> Surface:
-        """The mesh that was given, of a `Repair` too: whose vertices files and functions mean."""
-        return self.surface if self.repair is None else self.repair.given
+    def to_match(self) -> tuple[Any, RepairOption]:
+        """What the stages of matching take, and what is still to be repaired of it."""
+        return self._mesh.to_match
 
-    def vertices_of_given(self, vertices: Sequence[int]) -> list[int]:
-        """Vertices of the mesh that was given, for vertices of what is shown."""
-        return list(vertices) if self.repair is None else self.repair.origin[list(vertices)].tolist()
+    @property
+    def report(self) -> str:
+        """What is measured in place of the mesh, a sentence; empty where that is the mesh itself."""
+        return "" if self.repair is None else "; ".join(self.repair.report)
 
-    def landmarks_of_given(self, vertices: IndexArray) -> list[int]:
-        """Vertices of what is shown, for landmarks on the mesh that was given; see `landmarks_left`."""
-        left = vertices if self.repair is None else landmarks_left(self.repair, vertices, self.name)
-        return [int(vertex) for vertex in left]
+    # -- places -------------------------------------------------------------------------------------
+
+    @cached_property
+    def stand_ins(self) -> IndexArray:
+        """Measured vertex that stands for each given one, (n,); -1 where there is none."""
+        return np.arange(self.surface.n_vertices) if self.repair is None else self.repair.vertex_of_original
+
+    def stand_in(self, vertex: int) -> int:
+        """Measured vertex that stands for a given one.
+
+        Raises
+        ------
+        MeshError
+            One that a repair removed, or that lies deep inside a wrap.
+        """
+        found = int(self.stand_ins[vertex])
+        if found < 0:
+            raise MeshError(f"vertex {vertex} of {self.name} has no place on what is measured ({self.report})")
+        return found
+
+    def carried(self, values: np.ndarray) -> np.ndarray:
+        """Values of the measured vertices at the given ones, (n, ...); NaN, -1 or False where one has no place."""
+        return values if self.repair is None else self.repair.map_back(values)
+
+    def on_measured(self, values: np.ndarray) -> np.ndarray:
+        """Values of the given vertices at the measured ones."""
+        return values if self.repair is None else values[self.repair.origin]
+
+    @cached_property
+    def normals(self) -> FloatArray:
+        """Which way each vertex faces, (n, 3): out of what is measured, however the faces of the mesh are written."""
+        own = self.surface.vertex_normals
+        if self.repair is None:
+            return own
+        carried = self.repair.map_back(self.measured.vertex_normals)
+        return np.where(np.isfinite(carried), carried, own)
+
+    def check_landmarks(self, vertices: IndexArray) -> None:
+        """Raise `ParameterError` for a landmark on what the repair removed, far from all that is left."""
+        if self.repair is not None:
+            landmarks_left(self.repair, vertices, self.name)
+
+    # -- what is measured ---------------------------------------------------------------------------
 
     @cached_property
     def metric(self) -> LiftedMetric:
         """The metric that distances, eigenfunctions and paths are measured in."""
-        return stages.metric_of(self.surface, self._scalar, self._weight)
+        return stages.metric_of(self.measured, self.scalar, self._weight)
 
     def metric_of_weight(self, curvature_weight: float) -> LiftedMetric:
         """The metric that the same scalar gives with another weight."""
         # Not a stage: the many metrics that a slider passes through would keep their graphs.
-        return lifted_metric(self.surface, self._scalar, curvature_weight)
+        return lifted_metric(self.measured, self.scalar, curvature_weight)
 
     @cached_property
     def spectrum(self) -> Spectrum:
-        """First eigenpairs of the distance operator."""
-        k = min(EIGENPAIRS, self.surface.n_vertices)
-        return stages.spectrum_of(self.metric, k, "area", _landmarks(self.surface), "graph", 1e-3)
+        """First eigenpairs of the distance operator, on the measured vertices."""
+        k = min(EIGENPAIRS, self.measured.n_vertices)
+        return stages.spectrum_of(self.metric, k, "area", _landmarks(self.measured), "graph", 1e-3)
 
     @property
     def spectrum_takes_long(self) -> bool:
         """Whether eigenpairs are still to be computed, of a surface for which that takes seconds and more."""
-        return "spectrum" not in self.__dict__ and self.surface.n_vertices > QUICK
+        return "spectrum" not in self.__dict__ and self.measured.n_vertices > QUICK
 
     def distances_from(self, vertex: int) -> FloatArray:
         """Quasi-geodesic distance of every vertex from one, (n,), in units of sqrt(area); the last 64 are kept."""
         field = self._fields.get(vertex)
         if field is None:
-            field = distances(self.surface, [vertex], self.metric)[0] / self.unit
+            row = distances(self.measured, [self.stand_in(vertex)], self.metric)[0]
+            field = self.carried(row) / self.unit
             field.setflags(write=False)
             self._fields[vertex] = field
             if len(self._fields) > _KEPT_FIELDS:
@@ -104,7 +166,9 @@ class Shape:
         r"""Eigenfunction k (from 1) without unit, :math:`\phi_k \sqrt{A}`, shape (n,)."""
         if not 1 <= k <= self.spectrum.k:
             raise ParameterError(f"{self.name} has eigenfunctions 1 to {self.spectrum.k}, not {k}")
-        return self.spectrum.eigenfunctions[:, k - 1] * self.unit
+        return self.carried(self.spectrum.eigenfunctions[:, k - 1]) * self.unit
+
+    # -- attributes of the mesh ---------------------------------------------------------------------
 
     def attribute(self, name: str, column: int = 1) -> FloatArray:
         """Column (from 1) of a named attribute as float64, shape (n,)."""

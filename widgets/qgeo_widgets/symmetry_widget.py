@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import traitlets
 
-from qgeo_filters._typing import FloatArray
+from qgeo_filters._typing import FloatArray, RepairOption
 from qgeo_filters.defaults import EIGENPAIRS, SYMMETRY_K0
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.filters import stages
@@ -50,24 +50,28 @@ class SymmetryWidget(ShapeWidget):
     """
 
     _page_title = "A shape and its self-symmetry"
+    _takes_repair = True
     picked = traitlets.Int(None, allow_none=True)
     epsilon = traitlets.Float(1.0)
     k0 = traitlets.Int(SYMMETRY_K0, min=1, max=EIGENPAIRS)
 
-    def __init__(self, mesh: Any, *, symmetry: Any, curvature_weight: float, size: tuple[int, int]) -> None:
+    def __init__(
+        self, mesh: Any, *, symmetry: Any, curvature_weight: float, repair: RepairOption, size: tuple[int, int]
+    ) -> None:
         super().__init__()
         with self._guarded():
-            shape = self._shape = Shape(mesh, "X", curvature_weight)
-            self._symmetry = self._find() if symmetry is None else symmetry
-            placement = placement_of(shape.surface)
+            with self._long.during("Repairing the shape"):
+                shape = self._shape = Shape(mesh, "X", curvature_weight, repair=repair)
+            self._symmetry = self._find() if symmetry is None else _checked(symmetry, shape)
+            placement = placement_of(shape.surface, shape.measured)
             titles = [f"<b>shape</b>, {shape.surface.n_vertices} vertices", f"<b>{_VIEWS[1]}</b>"]
             viewer = new_viewer([shape.surface] * 2, [placement, placement.turned()], size, titles)
             self._modes = self._make_modes()
             with self._long.during("Finding eigenfunctions"):
-                total = float(np.ptp(self._sum))
+                total = float(np.ptp(self._measured_sum))
             self.epsilon = total / _BANDS
             self._epsilon_slider = controls.number("ε", self.epsilon, total / 60, total, total / 200)
-            self._k0_slider = controls.whole("k₀", self.k0, 1, min(EIGENPAIRS, shape.surface.n_vertices))
+            self._k0_slider = controls.whole("k₀", self.k0, 1, min(EIGENPAIRS, shape.measured.n_vertices))
             traitlets.link((self, "epsilon"), (self._epsilon_slider, "value"))
             traitlets.link((self, "k0"), (self._k0_slider, "value"))
             viewer.on_pick(lambda _, vertex: self.set_trait("picked", vertex))
@@ -90,12 +94,16 @@ class SymmetryWidget(ShapeWidget):
     def _find(self) -> Any:
         self._long.announce()
         with self._long.during("Finding the self-symmetry", at_once=True):
-            return stages.symmetry_of(self._shape.surface)
+            shape, asked = self._shape.to_match
+            return stages.symmetry_of(shape, repair=asked)
 
     @property
     def image(self) -> int | None:
         """Mirror image of the picked vertex, None without one."""
-        return int(self._symmetry.p2p[self.picked]) if self.picked is not None and self._symmetry.found else None
+        if self.picked is None or not self._symmetry.found:
+            return None
+        found = int(self._symmetry.p2p[self.picked])
+        return found if found >= 0 else None
 
     # -- picking ------------------------------------------------------------------------------------
 
@@ -133,12 +141,17 @@ class SymmetryWidget(ShapeWidget):
                 ["asymmetry there", f"{self._symmetry.asymmetry[here]:.4f}"],
                 ["|s(p) − s(Tp)|", f"{abs(self._sum[here] - self._sum[self.image]):.4f}, ε = {self.epsilon:.4f}"],
             ]
+        elif self._symmetry.found:
+            rows.append(["mirror image", "none: it has no place on what is measured"])
+        if self._shape.report:
+            rows.append(["in place of the mesh", self._shape.report])
         self._info.value = controls.table([*rows, *self._shape.described(here)])
 
     def _draw_axis(self) -> None:
         if self._viewer is None or not self._symmetry.found:
             return
-        for number, curve in enumerate(sign_changes(self._shape.surface, self._symmetry.side)):
+        side = self._shape.on_measured(np.asarray(self._symmetry.side))
+        for number, curve in enumerate(sign_changes(self._shape.measured, side)):
             for pane in self._viewer.panes:
                 pane.set_line(f"axis {number}", curve, _AXIS, 3.0)
 
@@ -156,7 +169,7 @@ class SymmetryWidget(ShapeWidget):
 
     def _columns(self, mode: str) -> int:
         if mode == EIGENFUNCTION:
-            return min(EIGENPAIRS, self._shape.surface.n_vertices)
+            return min(EIGENPAIRS, self._shape.measured.n_vertices)
         return self._shape.columns(mode.removeprefix(ATTRIBUTE)) if mode.startswith(ATTRIBUTE) else 1
 
     def _show_measure_controls(self) -> None:
@@ -171,8 +184,12 @@ class SymmetryWidget(ShapeWidget):
         self._show_picked()
 
     @property
-    def _sum(self) -> FloatArray:
+    def _measured_sum(self) -> FloatArray:
         return symmetry_sum(self._shape.spectrum, min(self.k0, self._shape.spectrum.k))
+
+    @property
+    def _sum(self) -> FloatArray:
+        return self._shape.carried(self._measured_sum)
 
     @cached_property
     def _mirror_colors(self) -> FloatArray:
@@ -180,33 +197,36 @@ class SymmetryWidget(ShapeWidget):
         return mirror_colors(self._shape.surface.vertices, self._symmetry.p2p, axes)
 
     def _mirrored_field(self, k: int) -> Field:
-        return ColorField(
-            [self._mirror_colors] * 2, "a point and its mirror image have one colour; the line is the axis"
-        )
+        label = "a point and its mirror image have one colour; the line is the axis"
+        alone = int((np.asarray(self._symmetry.p2p) < 0).sum())
+        note = f"; grey: {alone} vertices without a place on what is measured" if alone else ""
+        return ColorField([self._mirror_colors] * 2, label + note)
 
     def _side_field(self, k: int) -> Field:
         side = np.asarray(self._symmetry.side)
         numbers = np.where(side > 0, 0, np.where(side < 0, 1, -1))
         names = [_SIDE_NAMES[1], _SIDE_NAMES[-1]]
-        return region_field([numbers] * 2, "the two sides and the axis between them", names, _SIDE_NAMES[0])
+        loose = _SIDE_NAMES[0] + (", or no mirror image" if (np.asarray(self._symmetry.p2p) < 0).any() else "")
+        return region_field([numbers] * 2, "the two sides and the axis between them", names, loose)
 
     def _asymmetry_field(self, k: int) -> Field:
         label = "asymmetry: mean |d(p, q) − d(Tp, Tq)| / √area"
         return ScalarField([np.asarray(self._symmetry.asymmetry, dtype=np.float64)] * 2, label)
 
     def _difference_field(self, k: int) -> Field:
-        surface = self._shape.surface
+        shape, p2p = self._shape, np.asarray(self._symmetry.p2p)
         places = getattr(self._symmetry, "barycentric", None)
-        vertices = surface.vertices
-        images = vertices[self._symmetry.p2p] if places is None else places.pulled_back(vertices)
+        vertices = shape.surface.vertices
+        images = np.where(p2p[:, None] >= 0, vertices[p2p], np.nan) if places is None else places.pulled_back(vertices)
         label = "out of the mirror image of the other side, along the normal, in the unit of the mesh"
-        return ScalarField([left_right_difference(surface, images)] * 2, label, signed=True)
+        values = left_right_difference(shape.surface, images, shape.normals)
+        return ScalarField([values] * 2, label, signed=True)
 
     def _region_field(self, k: int) -> Field:
         k0 = min(self.k0, self._shape.spectrum.k)
         regions = symmetry_regions(self._shape.spectrum, epsilon=self.epsilon, k0=k0)
         label = f"bands of the sum of the first {k0} eigenfunctions, ε = {self.epsilon:.3f} wide"
-        return region_field([regions] * 2, label)
+        return region_field([self._shape.carried(regions)] * 2, label)
 
     def _sum_field(self, k: int) -> Field:
         return ScalarField([self._sum] * 2, f"Σ |φₖ| √A over k ≤ {min(self.k0, self._shape.spectrum.k)} (no unit)")
@@ -225,3 +245,14 @@ class SymmetryWidget(ShapeWidget):
             "partners": [image, image],
             "hint": "Click a point: its mirror image is marked in the other view.",
         }
+
+
+def _checked(symmetry: Any, shape: Shape) -> Any:
+    """The symmetry, where it is one of this mesh."""
+    count = len(symmetry.p2p)
+    if count != shape.surface.n_vertices:
+        raise ParameterError(
+            f"symmetry is one of {count} vertices, but the mesh has {shape.surface.n_vertices} as it was given: "
+            "qg.self_symmetry(mesh, repair=...) is on those"
+        )
+    return symmetry

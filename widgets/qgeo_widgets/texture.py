@@ -15,6 +15,7 @@ from PIL import Image, UnidentifiedImageError
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import ParameterError
+from qgeo_filters.report.colors import MISSING
 from qgeo_filters.surface import Surface
 
 # Pixels of the longer side of what is kept: more than a shape has on screen.
@@ -47,7 +48,7 @@ class Texture:
         return cls(np.asarray(image))
 
     def at(self, places: FloatArray) -> FloatArray:
-        """Colours from 0 to 1 at places (n, 2), interpolated between pixels; white where they are not finite."""
+        """Colours from 0 to 1 at places (n, 2), interpolated between pixels; grey where they are not finite."""
         height, width = self.pixels.shape[:2]
         known = np.asarray(np.isfinite(places).all(axis=1))
         u, v = np.where(known[:, None], places, 0.0).T
@@ -60,7 +61,7 @@ class Texture:
 
         upper = (1 - right) * pixel(top, left) + right * pixel(top, left + 1)
         lower = (1 - right) * pixel(top + 1, left) + right * pixel(top + 1, left + 1)
-        return np.where(known[:, None], (1 - low) * upper + low * lower, 1.0)
+        return np.where(known[:, None], (1 - low) * upper + low * lower, MISSING)
 
     @cached_property
     def encoded(self) -> npt.NDArray[np.uint8]:

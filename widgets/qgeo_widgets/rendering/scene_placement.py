@@ -14,7 +14,7 @@ from qgeo_filters.surface import Surface
 
 @dataclass(frozen=True, eq=False)
 class ScenePlacement:
-    """Similarity from a surface's own coordinates to those of a scene, where sqrt(area) is 1.
+    """Similarity from a surface's own coordinates to those of a scene, where sqrt(area) of what is measured is 1.
 
     Attributes
     ----------
@@ -42,12 +42,22 @@ class ScenePlacement:
         return ScenePlacement(self.center, np.diag([-1.0, 1.0, -1.0]) @ self.axes, self.scale)
 
 
-def placement_of(surface: Surface) -> ScenePlacement:
-    """ScenePlacement that shows the surface upright, from three quarters and a little from above."""
-    return _centered(surface, best_view(surface.vertices, surface.faces).axes)
+def placement_of(surface: Surface, measured: Surface | None = None) -> ScenePlacement:
+    """ScenePlacement that shows the surface upright, from three quarters and a little from above.
+
+    Parameters
+    ----------
+    surface : Surface
+    measured : Surface, optional
+        What has its area and its outside in its place, such as a wrap: walls inside count for nothing.
+    """
+    outside = measured or surface
+    return _centered(surface, best_view(outside.vertices, outside.faces).axes, outside)
 
 
-def aligned_placement(surface: Surface, points: npt.ArrayLike, targets: npt.ArrayLike) -> ScenePlacement:
+def aligned_placement(
+    surface: Surface, points: npt.ArrayLike, targets: npt.ArrayLike, measured: Surface | None = None
+) -> ScenePlacement:
     """Placement in which points of the surface lie as near as a rotation can bring them to targets in the scene.
 
     Parameters
@@ -55,6 +65,8 @@ def aligned_placement(surface: Surface, points: npt.ArrayLike, targets: npt.Arra
     surface : Surface
     points, targets : array-like, shape (p, 3)
         In the surface's coordinates, and in the scene's.
+    measured : Surface, optional
+        As of `placement_of`.
 
     References
     ----------
@@ -64,7 +76,7 @@ def aligned_placement(surface: Surface, points: npt.ArrayLike, targets: npt.Arra
     target = np.asarray(targets, dtype=np.float64)
     u, _, vt = np.linalg.svd((target - target.mean(axis=0)).T @ (source - source.mean(axis=0)))
     axes = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))]) @ vt
-    return _centered(surface, axes)
+    return _centered(surface, axes, measured or surface)
 
 
 def reach(points: FloatArray, slope: float, aspect: float) -> tuple[float, float]:
@@ -90,8 +102,8 @@ def reach(points: FloatArray, slope: float, aspect: float) -> tuple[float, float
     return farthest or 1.0, distance or 1.0
 
 
-def _centered(surface: Surface, axes: FloatArray) -> ScenePlacement:
+def _centered(surface: Surface, axes: FloatArray, measured: Surface) -> ScenePlacement:
     """ScenePlacement with these axes whose origin is the middle of the box around what has faces."""
     used = surface.vertices[np.unique(surface.faces)] @ axes.T
     center = axes.T @ (0.5 * (used.min(axis=0) + used.max(axis=0)))
-    return ScenePlacement(center, axes, 1.0 / np.sqrt(surface.area) if surface.area > 0 else 1.0)
+    return ScenePlacement(center, axes, 1.0 / np.sqrt(measured.area) if measured.area > 0 else 1.0)

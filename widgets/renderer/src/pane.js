@@ -63,11 +63,25 @@ export class Pane {
     this.names = names ?? null;
     this.rounded = rounded ?? false;  /* values in as many steps as there are colours */
     this.sharpen(borders ?? null);
-    if (cells) this.geometry.setAttribute('cells', new BufferAttribute(typed(cells, Float32Array), 3));
+    if (cells) this.#lay('cells', cells, 3);
     this.laid.checkered.value = cells ? 1 : 0;
-    if (places) this.geometry.setAttribute('places', new BufferAttribute(typed(places, Float32Array), 2));
+    if (places) this.#lay('places', places, 2);
     this.placed = Boolean(places);
     this.#textured();
+  }
+
+  /* Coordinates of what lies over the colours, and where there are any: a triangle with a corner that has none, which
+     is NaN, keeps its colours. */
+  #lay(name, coordinates, size) {
+    const all = typed(coordinates, Float32Array).slice();
+    const known = new Uint8Array(this.count).fill(255);
+    for (let i = 0; i < all.length; i++) {
+      if (Number.isFinite(all[i])) continue;
+      all[i] = 0;
+      known[Math.floor(i / size)] = 0;
+    }
+    this.geometry.setAttribute(name, new BufferAttribute(all, size));
+    this.geometry.setAttribute('known', new BufferAttribute(known, 1, true));
   }
 
   /* A texture to lie on the shape where it is painted with places on it. */
@@ -206,32 +220,37 @@ function surfaceMaterial(offset) {
 }
 
 /* A texture instead of the colours of a material, where the geometry has `places` on it, and a checkerboard over them,
-   where it has coordinates `cells`; each where its uniform is 1. */
+   where it has coordinates `cells`; each where its uniform is 1, and all corners of the triangle are `known`. */
 function layOver(material, uniforms) {
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);
     shader.vertexShader = shader.vertexShader.replace('void main() {', `attribute vec3 cells;
       attribute vec2 places;
+      attribute float known;
       varying vec3 vCells;
       varying vec2 vPlaces;
+      varying float vKnown;
       void main() {
         vCells = cells;
-        vPlaces = places;`);
+        vPlaces = places;
+        vKnown = known;`);
     shader.fragmentShader = shader.fragmentShader
       .replace('void main() {', `uniform float checkered;
         uniform float textured;
         uniform sampler2D picture;
         varying vec3 vCells;
         varying vec2 vPlaces;
+        varying float vKnown;
         void main() {`)
       .replace('#include <color_fragment>', `#include <color_fragment>
         vec3 print = texture2D(picture, vPlaces).rgb;
-        if (textured > 0.5) diffuseColor.rgb = print;
+        float laid = step(0.999, vKnown);
+        if (textured > 0.5) diffuseColor.rgb = mix(diffuseColor.rgb, print, laid);
         if (checkered > 0.5) {
           vec3 wave = sin(3.14159265 * vCells);
           float side = wave.x * wave.y * wave.z;
           float soft = fwidth(side);
-          diffuseColor.rgb *= 1.0 - 0.45 * smoothstep(soft, -soft, side);
+          diffuseColor.rgb *= 1.0 - 0.45 * laid * smoothstep(soft, -soft, side);
         }`);
   };
 }
