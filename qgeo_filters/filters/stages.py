@@ -24,7 +24,7 @@ from qgeo_filters.hosts.wrap import Wrap, wrap_surface
 from qgeo_filters.matching.correspondence import match
 from qgeo_filters.matching.hints import Hints, LabelPair, LandmarkPairs
 from qgeo_filters.matching.match_result import MatchResult
-from qgeo_filters.matching.matchable import check_same_size
+from qgeo_filters.matching.matchable import check_matchable, check_same_size
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.partial.partial_match import matched_as_part, may_be_part
 from qgeo_filters.matching.prepared_shape import PreparedShape
@@ -136,6 +136,7 @@ def prepared_shape_of(
 
     def prepared() -> PreparedShape:
         if isinstance(shape, Repair):
+            check_matchable(shape.surface, repaired=True)  # which says what there is besides a repair
             return prepared_shape_of(shape.surface, progress, repair=False).standing_for(shape)
         return PreparedShape(shape, parameters=MatchingParameters(), matrix=matrix, repair=repair).prepare()
 

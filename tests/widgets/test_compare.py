@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 import shapes
 import traitlets
-from in_pieces import in_pieces
 
-import qgeo_filters as qg
 import qgeo_widgets as qw
 from qgeo_filters import Surface, distances, lifted_metric, quasi_geodesic
 from qgeo_filters.errors import ParameterError
@@ -322,9 +320,6 @@ def test_a_match_is_taken_with_its_regions_score_and_doubt(pair):
     assert "not confident: who knows" in widget._orientation.value
     assert {names.REGIONS, names.DISTORTION} <= set(widget.modes)
     widget.close()
-    other = qw.compare(y, pair[0].with_vertices(x.vertices), p2p=replace(found, p2p=np.where(where < 3, -1, where)))
-    assert "3 of 162 vertices of X have no partner" in other.message
-    other.close()
     small = Surface(*shapes.icosphere(1))
     wrong = qw.compare(small, y, p2p=found)
     assert "a match of shapes of 162 and 162 vertices, but these have 42 and 162" in wrong.message
@@ -338,41 +333,18 @@ def test_a_bad_truth_is_called_truth(pair, truth):
     widget.close()
 
 
-def test_what_no_repair_mends_is_shown_as_its_wrap_and_matched_again_with_landmarks():
-    whole = shapes.creature(level=2)
-    meshes = [in_pieces(whole, seed) for seed in (0, 1)]
-    refused = qw.compare(*meshes, progress=False)
-    assert "qg.wrap_surface(mesh) for a closed surface around all of it" in refused.message
-    wraps = [qg.wrap_surface(mesh) for mesh in meshes]
-    on_given = qg.match(*wraps)
-    for both in (wraps, [qg.Surface(*mesh) for mesh in meshes]):
-        assert "show the wraps: x and y are qg.wrap_surface(mesh)" in qw.compare(*both, p2p=on_given).message
-    widget = qw.compare(*wraps, progress=False)  # as the sentences advise
-    assert widget.message == ""
-    x, y = (wrap.surface for wrap in wraps)
-    assert len(widget.p2p) == x.n_vertices
-    edge = y.edge_lengths.mean()
-    tip = int(x.vertices[:, 0].argmax())
-    there = int(np.linalg.norm(y.vertices - x.vertices[tip], axis=1).argmin())
-    widget.picked, widget.second = ("x", tip), ("y", there)
-    widget.use_as_landmark()
-    assert widget.landmarks == [(tip, there)]
-    widget.match_again()
-    assert widget.message == ""
-    assert np.linalg.norm(y.vertices[widget.p2p] - x.vertices, axis=1).mean() < edge
-    one, other = colors(widget)  # carried along the map: near to each other in space, and so in colour
-    assert np.abs(other[widget.p2p] - one).mean() < 0.05
-    assert np.linalg.norm(meshes[0][0][wraps[0].origin[tip]] - x.vertices[tip]) < edge
-    widget.close()
-
-
 def test_advice_names_what_there_is_in_a_notebook(pair):
     x = pair[0]
     fan = np.concatenate([x.faces, [[x.faces[0, 0], x.faces[0, 1], 100]]])  # a third face on an edge
-    widget = qw.geodesics((x.vertices, fan), 0, 60)
-    assert "qg.repair_surface(mesh) splits" in widget.message
-    assert "repair=True" not in widget.message
+    widget = qw.geodesics((x.vertices, fan), 0, 60, repair=False)
+    assert "repair=True splits" in widget.message  # an argument of this widget, and of a collection's none
+    grid = qw.collection({"fan": Surface(x.vertices, fan)}, {})
+    grid.picked = 3
+    grid.mode = "distance from the picked point"
+    assert "qg.repair_surface(mesh) splits" in grid.message
+    assert "repair=True" not in grid.message
     widget.close()
+    grid.close()
 
 
 def test_mirrored_shows_the_twin_of_the_map():

@@ -46,7 +46,7 @@ def test_a_dab_is_what_lies_around_and_faces_the_same_way():
     flat = qg.testing.sample_surface()
     flat = flat.with_vertices(flat.vertices * [1, 1, 0.01])  # its sides are nearer than the brush is wide
     vertex = int(flat.vertices[:, 2].argmax())
-    dab = Brush(flat).dab(vertex)
+    dab = Brush(flat, flat.vertex_normals, np.sqrt(flat.area)).dab(vertex)
     radius = RADIUS * np.sqrt(flat.area)
     near = np.linalg.norm(flat.vertices - flat.vertices[vertex], axis=1) <= radius
     same = flat.vertex_normals @ flat.vertex_normals[vertex] > 0
@@ -118,16 +118,16 @@ def test_landmarks_are_saved_and_loaded(widget, pair, tmp_path):
 
 
 def test_landmarks_in_files_are_vertices_of_the_meshes_that_were_given(tmp_path):
-    """Whatever repair is shown: commands and functions mean those; a lost one is taken or refused as there."""
+    """Whatever is matched in their place, as commands and functions mean them; a lost one is taken or refused as there."""
     vertices, faces = shapes.creature(level=2)
     n, loose = len(vertices), np.array([[0.0, 0, 0], vertices[7] * 1.001])
     mess = np.concatenate([loose, vertices[::-1]]), n + 1 - faces  # two vertices without a face come first
     repair, whole = qg.repair_surface(mess), qg.Surface(vertices, faces)
     assert repair.surface.n_vertices == n
-    widget = qw.compare(repair, whole, p2p=np.arange(n)[::-1])
-    widget.picked = ("x", n - 1 - 7)
+    widget = qw.compare(repair, whole, p2p=np.concatenate([[-1, -1], np.arange(n)[::-1]]))
+    widget.picked = ("x", n + 1 - 7)
     widget.use_as_landmark()
-    assert widget.landmarks == [(n - 1 - 7, 7)]
+    assert widget.landmarks == [(n + 1 - 7, 7)]
     widget.save_landmarks(tmp_path / "pairs.csv")
     assert (tmp_path / "pairs.csv").read_text() == f"x_vertex,y_vertex\n{n + 1 - 7},7\n"
     assert base64.b64encode((tmp_path / "pairs.csv").read_bytes()).decode() in widget._list._save.value
@@ -136,7 +136,7 @@ def test_landmarks_in_files_are_vertices_of_the_meshes_that_were_given(tmp_path)
         (tmp_path / "pairs.csv").write_text(f"{vertex},7\n")
         if taken:
             widget.load_landmarks(tmp_path / "pairs.csv")
-            assert widget.landmarks == [(n - 1 - 7, 7)]
+            assert widget.landmarks == [(vertex, 7)]
         else:
             said = f"landmark 0 is vertex {vertex} of X, which had to go when that was repaired"
             with pytest.raises(qg.ParameterError, match=said):

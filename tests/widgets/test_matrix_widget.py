@@ -115,7 +115,7 @@ def test_a_mesh_in_pieces_shows_the_other_piece_grey(surface):
 
 
 def test_a_mesh_that_is_no_surface_is_a_sentence():
-    widget = qw.matrix(shapes.fan())
+    widget = qw.matrix(shapes.fan(), repair=False)
     assert "needs a manifold mesh, but edge (0, 1) has 3 faces" in widget.message
     widget.close()
 

@@ -35,7 +35,7 @@ def quarter(pixels: np.ndarray) -> np.ndarray:
 def test_the_first_row_is_above_and_the_picture_repeats():
     texture = Texture.of(QUARTERS.repeat(8, axis=0).repeat(8, axis=1))
     places = np.array([[0.25, 0.75], [0.75, 0.75], [0.25, 0.25], [0.75, 0.25], [1.25, -0.25], [np.nan, 0.5]])
-    expected = np.vstack([QUARTERS.reshape(4, 3), QUARTERS[:1, 0], [[255, 255, 255]]]) / 255
+    expected = np.vstack([QUARTERS.reshape(4, 3), QUARTERS[:1, 0], [[0.62 * 255] * 3]]) / 255
     np.testing.assert_allclose(texture.at(places), expected, atol=1e-12)
     between = texture.at(np.array([[0.5, 0.75]]))[0]  # half way between two pixels
     np.testing.assert_allclose(between, QUARTERS[0].mean(axis=0) / 255, atol=1e-12)
@@ -134,9 +134,14 @@ def test_it_is_carried_to_each_vertex_and_seen_in_the_snapshot(pair, photo):
 
 @pytest.mark.browser
 def test_the_page_shows_what_the_snapshot_shows(pair, photo, tmp_path, page):
-    widget = qw.compare(pair[0], pair[1], p2p=pair[2], texture=photo)
+    """The texture where there are partners, and grey, up to the border of its triangles, where there are none."""
+    x, y, where = pair
+    alone = x.vertices[:, 0] > 0.4
+    widget = qw.compare(x, y, p2p=np.where(alone, -1, where), texture=photo)
+    np.testing.assert_array_equal(np.isnan(widget._viewer.panes[0].places).all(axis=1), alone)
     widget.to_html(tmp_path / "page.html", modes=[CARRIED, TEXTURE])
     expected = [quarter(pane_picture(widget._viewer, pane, *widget._viewer.size)) for pane in widget._viewer.panes]
+    shapes_drawn = [(pane_picture(widget._viewer, p, 440, 400) < 230).any(axis=2) for p in widget._viewer.panes]
     widget.close()
     page.goto((tmp_path / "page.html").as_uri())
     views = page.locator(".qgeo-view")
@@ -146,5 +151,10 @@ def test_the_page_shows_what_the_snapshot_shows(pair, photo, tmp_path, page):
         both = (shown >= 0) & (expected[number][: shown.shape[0], : shown.shape[1]] >= 0)
         assert both.mean() > 0.15
         assert (shown == expected[number][: shown.shape[0], : shown.shape[1]])[both].mean() > 0.97
+        grey = shapes_drawn[number] & (expected[number] < 0)
+        assert 0.05 < grey.mean() < 0.4
+        assert (
+            shown[grey[: shown.shape[0], : shown.shape[1]]] < 0
+        ).mean() > 0.9  # colours fade to grey in its last triangles
     page.select_option("#mode", label=CARRIED)
     tools.until(lambda: (quarter(tools.pixels(views.first)) >= 0).mean() < 0.12)

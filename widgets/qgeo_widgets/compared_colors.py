@@ -116,7 +116,7 @@ class ComparedColors(MatchingWidget):
     @property
     def _note(self) -> str:
         """What grey means, where there is any."""
-        return "; grey: no partner" if any(self._map.unmatched) else ""
+        return f"; grey: {self._alone}" if any(self._map.unmatched) else ""
 
     def _on_both(self, values: FloatArray) -> list[FloatArray]:
         """Values (n, d) of X on X and, carried, on Y; NaN where a vertex has no partner."""

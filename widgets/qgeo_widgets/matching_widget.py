@@ -224,23 +224,28 @@ class MatchingWidget(ShapeWidget):
         return symmetry.p2p if symmetry.found else None
 
     def _show_orientation(self) -> None:
-        value = self._map.orientation
+        found = self._correspondence
+        value = self._map.orientation if found is None or self._map is not self._given else found.orientation
         verdict = (
             "keeps the orientation" if value > 0.1 else "is mirrored" if value < -0.1 else "has no clear orientation"
         )
         rows = [["map", f"{verdict} (mean cosine of carried and own normals {value:+.2f})"]]
-        found = self._correspondence
         if found is not None:
             sure = "confident" if found.confident else "not confident"
             rows.append(
                 ["score", f"{found.score:.4f} √area, mean distortion of distances; {sure}: {found.explanation}"]
             )
         if any(self._map.unmatched):
-            counts = zip(self._map.unmatched, self._shapes, strict=True)
-            said = (f"{count} of {shape.surface.n_vertices} vertices of {shape.name}" for count, shape in counts)
-            rows.append(["no partner", f"{' and '.join(said)}, which are grey"])
+            rows.append(["grey", self._alone])
         rows += [[f"in place of {shape.name}", shape.report] for shape in self._shapes if shape.report]
         self._orientation.value = controls.table(rows)
+
+    @property
+    def _alone(self) -> str:
+        """How many vertices of either shape have no partner."""
+        counts = zip(self._map.unmatched, self._shapes, strict=True)
+        said = (f"{count} of {shape.surface.n_vertices} of {shape.name}" for count, shape in counts)
+        return f"vertices without a partner, {' and '.join(said)}"
 
     def _show_landmarks(self, change: Any) -> None:
         """A ball of one colour on both shapes for each landmark."""

@@ -98,7 +98,7 @@ class Page {
     this.pick(this.shapes.map((_, i) => (i === number ? vertex : pair)));
     const {numbers} = this.view.panes[number];
     element('picked').textContent = pair < 0
-      ? `vertex ${numbers ? numbers[vertex] : vertex}`
+      ? `vertex ${numbers ? numbers[vertex] : vertex}${this.data.partners ? ' has no partner' : ''}`
       : `vertex ${vertex} of ${this.names[number]} ↔ vertex ${pair} of ${this.names[1 - number]}`;
   }
 
