@@ -311,7 +311,7 @@ def test_without_a_map_one_is_found_with_its_regions(pair):
 
 
 def test_a_match_is_taken_with_its_regions_score_and_doubt(pair):
-    x, y, where = pair
+    x, y, _ = pair
     found = replace(stages.correspondence_of(x, y, True, partial=False), confident=False, explanation="who knows")
     widget = qw.compare(x, y, p2p=found)
     assert widget.message == ""

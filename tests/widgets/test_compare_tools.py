@@ -118,7 +118,7 @@ def test_landmarks_are_saved_and_loaded(widget, pair, tmp_path):
 
 
 def test_landmarks_in_files_are_vertices_of_the_meshes_that_were_given(tmp_path):
-    """Whatever is matched in their place, as commands and functions mean them; a lost one is taken or refused as there."""
+    """As commands and functions mean them, whatever is matched; a lost one is taken or refused as there."""
     vertices, faces = shapes.creature(level=2)
     n, loose = len(vertices), np.array([[0.0, 0, 0], vertices[7] * 1.001])
     mess = np.concatenate([loose, vertices[::-1]]), n + 1 - faces  # two vertices without a face come first
