@@ -64,6 +64,11 @@ def widget(pair_of_wraps):
     widget.close()
 
 
+def placed(p2p: np.ndarray, wrap: qg.Repair) -> np.ndarray:
+    """Whether the image of each vertex has a place on the wrap."""
+    return (p2p >= 0) & (wrap.vertex_of_original[p2p] >= 0)
+
+
 def grey(colors: np.ndarray) -> np.ndarray:
     return np.isclose(colors, MISSING, atol=1e-6).all(axis=1)
 
@@ -210,13 +215,23 @@ def test_a_vertex_deep_inside_can_be_picked_and_has_no_partner_and_no_distances(
     assert widget.landmarks == []
 
 
-def test_matched_again_the_wraps_are_matched(widget, pair_of_wraps):
-    """With landmarks of the given vertices: what `match` finds with them, bit for bit."""
-    case, marks = pair_of_wraps, [(3, 3), (90, 90), (140, 140)]
+def test_matched_again_the_wraps_are_matched(widget, pair_of_wraps, monkeypatch):
+    """With landmarks of the given vertices, by `match` with the wraps."""
+    case, marks, results = pair_of_wraps, [(3, 3), (90, 90), (140, 140)], []
+
+    def noted(x, y, **options):
+        for shape, wrap in zip((x, y), case.wraps, strict=True):
+            np.testing.assert_array_equal(shape.given.vertices, wrap.given.vertices)
+            np.testing.assert_array_equal(shape.full.vertices, wrap.surface.vertices)
+        assert np.array(options["landmarks"]).tolist() == [list(pair) for pair in marks]
+        results.append(qg.match(x, y, **options))
+        return results[-1]
+
+    monkeypatch.setattr("qgeo_filters.filters.stages.match", noted)
     widget.landmarks = marks
     widget.match_again()
     assert widget.message == ""
-    found = qg.match(*case.wraps, landmarks=marks)
+    (found,) = results
     np.testing.assert_array_equal(widget.p2p, found.p2p)
     np.testing.assert_array_equal(widget._map.backward, found.inverse)
     np.testing.assert_array_equal(widget.p2p < 0, case.inside)
@@ -258,6 +273,20 @@ def test_filters_and_widgets_wrap_a_mesh_alike(pair_of_wraps):
     widget.close()
 
 
+def test_a_mesh_that_was_wrapped_before_is_shown_with_the_attributes_that_it_has_now(pair_of_wraps):
+    x = pair_of_wraps.x
+    bare, named = Surface(x.vertices, x.faces), Surface(x.vertices, x.faces, {"bump": x.vertices[:, 1] ** 2})
+    for mesh, found in ((bare, set()), (named, {"attribute: bump"})):
+        widget = qw.geodesics(mesh, 7, 120, scalar="bump" if found else "mean_curvature", repair="wrap")
+        assert widget.message == ""
+        assert {mode for mode in widget.modes if mode.startswith("attribute")} == found
+        widget.close()
+    again = qw.compare(bare, named, p2p=pair_of_wraps.found)
+    assert "attribute: bump" in again.modes
+    assert again._shapes[0].surface.attributes.keys() == set()
+    again.close()
+
+
 def test_a_matrix_of_a_wrap_has_rows_for_what_has_a_place(pair_of_wraps):
     case = pair_of_wraps
     widget = qw.matrix(case.wraps[0])
@@ -269,6 +298,33 @@ def test_a_matrix_of_a_wrap_has_rows_for_what_has_a_place(pair_of_wraps):
     assert "has no place on what is measured" in widget.message
     widget.picked = 7
     assert (widget.message, widget.mode) == ("", "distances of the row")
+    widget.close()
+
+
+def test_two_raw_skulls_of_ct_with_their_landmarks(data_dir):
+    """In a hundred pieces each, and walls with two sides: some of the vertices lie deep inside."""
+    folder = data_dir / "harder" / "mouse_skulls_raw"
+    if not folder.is_dir():
+        pytest.skip("the raw skulls are not there")
+    meshes = [Surface.read(folder / f"{name}.off") for name in ("CBA_J", "I")]
+    marks = [np.loadtxt(folder / "corres" / f"{name}.vts", dtype=int) - 1 for name in ("CBA_J", "I")]
+    known_marks = (marks[0] >= 0) & (marks[1] >= 0)
+    p2p = np.full(meshes[0].n_vertices, -1)
+    p2p[marks[0][known_marks]] = marks[1][known_marks]
+    wraps = [qg.wrap_surface(mesh, alpha=0.06) for mesh in meshes]
+    widget = qw.compare(*wraps, p2p=p2p, truth=p2p)
+    assert widget.message == ""
+    for pane, mesh, wrap in zip(widget._viewer.panes, meshes, wraps, strict=True):
+        np.testing.assert_array_equal(pane.surface.faces, mesh.faces)
+        assert 0.02 < (wrap.vertex_of_original < 0).mean() < 0.3
+    widget.mode = names.ERROR
+    errors = widget._field.values[0]
+    np.testing.assert_array_equal(np.isfinite(errors), placed(p2p, wraps[1]))
+    assert np.nanmax(errors) == 0
+    widget._clicked(0, int(marks[0][known_marks][0]))
+    assert (widget.message, widget.mode) == ("", names.DISTANCE)
+    for values, wrap in zip(widget._field.values, wraps, strict=True):
+        np.testing.assert_array_equal(np.isnan(values), wrap.vertex_of_original < 0)
     widget.close()
 
 

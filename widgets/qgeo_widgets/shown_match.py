@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 from qgeo_filters._typing import RepairOption
@@ -12,6 +11,7 @@ from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.hosts.wrap import Wrap
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.surface import Surface
+from qgeo_widgets.shown_mesh import wrap_around
 
 
 def checked_match(found: MatchResult, x: Surface, y: Surface) -> MatchResult:
@@ -37,4 +37,4 @@ def _with_wrap(mesh: Any, wrap: Wrap | None) -> Any:
     if wrap is None or isinstance(mesh, Repair):
         return mesh
     given = as_given(mesh, "wrap")[0]
-    return replace(wrap, given=given) if given.n_vertices == wrap.given.n_vertices else mesh
+    return wrap_around(given, wrap) if given.n_vertices == wrap.given.n_vertices else mesh

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from qgeo_filters._typing import RepairOption
@@ -10,6 +10,7 @@ from qgeo_filters.errors import MeshError
 from qgeo_filters.filters import stages
 from qgeo_filters.hosts.dispatch import as_given, as_surface, surface_and_repair
 from qgeo_filters.hosts.repair import Repair
+from qgeo_filters.hosts.wrap import Wrap
 from qgeo_filters.repair.triangle_soup import Pieces
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import checked_repair
@@ -60,8 +61,9 @@ class ShownMesh:
         if isinstance(mesh, Repair):
             return cls(mesh.given, mesh, (mesh, False))
         if checked_repair(repair) == "wrap":
-            wrap = stages.wrap_of(as_given(mesh, repair)[0])  # wrapped once for all that is asked of it
-            return cls(wrap.given, wrap, (wrap, False))
+            given = as_given(mesh, repair)[0]
+            wrap = wrap_around(given, stages.wrap_of(given))  # wrapped once for all that is asked of it
+            return cls(given, wrap, (wrap, False))
         if repair != "auto":
             surface, found = surface_and_repair(mesh, repair)
             return cls(surface, found, (found or surface, False))
@@ -84,3 +86,12 @@ class ShownMesh:
         except MeshError:
             raise refusal or MeshError("the mesh cannot be shown") from None
         return cls(surface, None, (surface, "auto"))
+
+
+def wrap_around(given: Surface, wrap: Wrap) -> Wrap:
+    """The wrap of equal vertices and faces as one of this mesh, with the attributes that it has now."""
+    if given is wrap.given:
+        return wrap
+    attributes = {name: values[wrap.origin] for name, values in given.attributes.items()}
+    surface = Surface(wrap.surface.vertices, wrap.surface.faces, attributes)
+    return replace(wrap, given=given, surface=surface)
