@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import browser as tools
@@ -10,9 +11,14 @@ import numpy as np
 import pytest
 import shapes
 from ipywidgets import Widget
+from known_match import known, without_partners
 
+import qgeo_filters as qg
 import qgeo_widgets as qw
 from qgeo_filters import Surface
+
+#: Of wraps in tests: few vertices, so that they are matched in a second.
+WRAP_ALPHA = 0.07
 
 
 @pytest.fixture(scope="session")
@@ -25,6 +31,28 @@ def pair() -> tuple[Surface, Surface, np.ndarray]:
     x = Surface(vertices, faces, {"height": vertices[:, 2]})
     y = Surface(3.0 * vertices[shuffle] @ turn.T + 1.0, where[faces])
     return x, y, where
+
+
+def hollow(positions: np.ndarray, faces: np.ndarray) -> Surface:
+    """A closed shape with a small sphere inside, every third face turned over."""
+    ball, ball_faces = shapes.icosphere(1)
+    both = np.concatenate([faces, ball_faces + len(positions)])
+    both[::3] = both[::3, ::-1]
+    return Surface(np.concatenate([positions, 0.25 * ball]), both, {"number": np.arange(len(positions) + len(ball))})
+
+
+@pytest.fixture(scope="module")
+def pair_of_wraps() -> SimpleNamespace:
+    """Two hollow shapes, the closed surfaces around them, and a match of those, on the vertices that were given."""
+    positions, faces = shapes.creature(level=2)
+    x, y = hollow(positions, faces), hollow(shapes.bent(positions, 0.3), faces)
+    inside = np.arange(x.n_vertices) >= len(positions)
+    same = known(x, y, np.array(y.vertices), p2p=np.arange(x.n_vertices), wrap_x=WRAP_ALPHA, wrap_y=WRAP_ALPHA)
+    found = without_partners(same, inside, inside)
+    wraps = [qg.wrap_surface(mesh, alpha=WRAP_ALPHA) for mesh in (x, y)]
+    for wrap in wraps:
+        np.testing.assert_array_equal(wrap.vertex_of_original < 0, inside)
+    return SimpleNamespace(x=x, y=y, inside=inside, found=found, wraps=wraps)
 
 
 @pytest.fixture

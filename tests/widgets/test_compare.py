@@ -338,10 +338,10 @@ def test_advice_names_what_there_is_in_a_notebook(pair):
     fan = np.concatenate([x.faces, [[x.faces[0, 0], x.faces[0, 1], 100]]])  # a third face on an edge
     widget = qw.geodesics((x.vertices, fan), 0, 60, repair=False)
     assert "repair=True splits" in widget.message  # an argument of this widget, and of a collection's none
-    grid = qw.collection({"fan": Surface(x.vertices, fan)}, {})
+    grid = qw.collection({"one-sided": shapes.moebius()}, {})
     grid.picked = 3
     grid.mode = "distance from the picked point"
-    assert "qg.repair_surface(mesh) splits" in grid.message
+    assert "orient them with qg.repair_surface(mesh)" in grid.message
     assert "repair=True" not in grid.message
     widget.close()
     grid.close()

@@ -17,6 +17,7 @@ from qgeo_filters.collection.composition import checked_maps
 from qgeo_filters.collection.consistent import How
 from qgeo_filters.errors import ParameterError, concerning
 from qgeo_filters.hosts.dispatch import as_surface
+from qgeo_filters.hosts.repair import Repair
 from qgeo_filters.report.colors import position_colors
 from qgeo_filters.surface import Surface
 from qgeo_widgets import controls
@@ -60,7 +61,7 @@ class CollectionWidget(ShapeWidget):
         with self._guarded():
             self.names, pages = _shown(list(shapes.names if isinstance(shapes, Collection) else shapes), template, page)
             surfaces = self._surfaces(shapes)
-            self._template = Shape(surfaces[0], self.names[0], repair=False)
+            self._template = self._measured_template(shapes, surfaces[0])
             self._places = self._maps_to_template(
                 dict(zip(self.names, surfaces, strict=True)), self._known_maps(shapes, maps)
             )
@@ -82,12 +83,24 @@ class CollectionWidget(ShapeWidget):
             self._show_pick()
 
     def _surfaces(self, shapes: Collection | Mapping[str, Any]) -> list[Surface]:
-        """The meshes that are shown."""
+        """The meshes that are shown: as they were given, of a `Repair` too."""
         found = []
         for name in self.names:
             with concerning(name):
-                found.append(shapes.surface(name) if isinstance(shapes, Collection) else as_surface(shapes[name]))
+                if isinstance(shapes, Collection):
+                    found.append(shapes.surface(name))
+                else:
+                    shape = shapes[name]
+                    found.append(shape.given if isinstance(shape, Repair) else as_surface(shape))
         return found
+
+    def _measured_template(self, shapes: Collection | Mapping[str, Any], surface: Surface) -> Shape:
+        """The template, with its repair or wrap: that of the collection, or the one that was given."""
+        name = self.names[0]
+        with concerning(name):
+            if isinstance(shapes, Collection):
+                return Shape(surface, name, repair=shapes.settings.repair)
+            return Shape(shapes[name] if isinstance(shapes[name], Repair) else surface, name)
 
     def _known_maps(self, shapes: Collection | Mapping[str, Any], maps: How | Mapping[str, Any]) -> Mapping[str, Any]:
         """The maps that were given, or those of a collection; what is not matched yet is matched now."""
