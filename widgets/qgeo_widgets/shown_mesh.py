@@ -61,8 +61,8 @@ class ShownMesh:
         if isinstance(mesh, Repair):
             return cls(mesh.given, mesh, (mesh, False))
         if checked_repair(repair) == "wrap":
-            given = as_given(mesh, repair)[0]
-            wrap = wrap_around(given, stages.wrap_of(given))  # wrapped once for all that is asked of it
+            given, notes = as_given(mesh, repair)
+            wrap = wrap_around(given, stages.wrap_of(given), notes)  # wrapped once for all that is asked of it
             return cls(given, wrap, (wrap, False))
         if repair != "auto":
             surface, found = surface_and_repair(mesh, repair)
@@ -88,10 +88,10 @@ class ShownMesh:
         return cls(surface, None, (surface, "auto"))
 
 
-def wrap_around(given: Surface, wrap: Wrap) -> Wrap:
-    """The wrap of equal vertices and faces as one of this mesh, with the attributes that it has now."""
-    if given is wrap.given:
+def wrap_around(given: Surface, wrap: Wrap, notes: tuple[str, ...] = ()) -> Wrap:
+    """The wrap of equal vertices and faces as one of this mesh, with its attributes and what was left out of it."""
+    if given is wrap.given and not notes:
         return wrap
     attributes = {name: values[wrap.origin] for name, values in given.attributes.items()}
     surface = Surface(wrap.surface.vertices, wrap.surface.faces, attributes)
-    return replace(wrap, given=given, surface=surface)
+    return replace(wrap, given=given, surface=surface, report=(*notes, *wrap.report))
