@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -99,10 +100,13 @@ def test_the_symmetry_of_what_is_not_welded_is_on_its_own_vertices():
     assert widget.image == found.p2p[tip]
     np.testing.assert_allclose(soup.vertices[widget.image], soup.vertices[tip] * [-1, 1, 1], atol=1e-9)
     curves = [line.points for line in widget._viewer.panes[0].lines.values()]
+    assert len(curves) == len(found.curve) == 1  # and no piece of one in each triangle
+    np.testing.assert_array_equal(curves[0], found.curve[0])
     repair = qg.repair_surface(soup)
     (axis,) = sign_changes(repair.surface, found.side[repair.origin])
-    assert len(curves) == 1  # and no piece of one in each triangle
-    np.testing.assert_array_equal(curves[0], axis)
+    own = qw.symmetry(soup, symmetry=replace(found, curve=()))
+    np.testing.assert_array_equal(own._viewer.panes[0].lines["axis 0"].points, axis)
+    own.close()
     widget.mode = symmetry_widget.SUM
     expected = qg.SelfSymmetry()(soup).attributes["qgeo_symmetry_sum"]
     np.testing.assert_array_equal(widget._field.values[0], expected)

@@ -150,8 +150,11 @@ class SymmetryWidget(ShapeWidget):
     def _draw_axis(self) -> None:
         if self._viewer is None or not self._symmetry.found:
             return
-        side = self._shape.on_measured(np.asarray(self._symmetry.side))
-        for number, curve in enumerate(sign_changes(self._shape.measured, side)):
+        curves = getattr(self._symmetry, "curve", ())
+        if not curves:  # a symmetry of the user's own: from vertex to vertex, where its sides meet
+            side = self._shape.on_measured(np.asarray(self._symmetry.side))
+            curves = sign_changes(self._shape.measured, side)
+        for number, curve in enumerate(curves):
             for pane in self._viewer.panes:
                 pane.set_line(f"axis {number}", curve, _AXIS, 3.0)
 
