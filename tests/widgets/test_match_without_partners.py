@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapes
@@ -183,7 +185,10 @@ def test_a_match_of_a_part_is_shown_as_it_is(pair):
     part = x.vertices[:, 0] > 0
     found = known(x, y, y.vertices[where], p2p=where, inverse=np.argsort(where))
     found = without_partners(found, part, part[np.argsort(where)])
+    found = replace(found, overlap_x=0.5, overlap_y=0.125)
     widget = qw.compare(x, y, p2p=found, truth=where)
+    one, other = (pane.placement.scale for pane in widget._viewer.panes)
+    assert other * np.sqrt(y.area) == pytest.approx(2 * one * np.sqrt(x.area))  # what is matched is as large on both
     assert widget.message == ""
     on_x, on_y = (pane.colors for pane in widget._viewer.panes)
     np.testing.assert_array_equal(grey(on_x), part)

@@ -43,7 +43,8 @@ class ShapeWidget(ColoredWidget):
     Attributes
     ----------
     camera : (float, float, float)
-        Where the camera stands; it looks at the origin of a scene in which sqrt(area) of each shape is 1.
+        Where the camera stands; it looks at the origin of a scene in which sqrt(area) of each shape is 1 (of a part and
+        a whole, of X).
     mode, k, limits
         What colours them, see `ColoredWidget`.
     message, hint : str

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -72,6 +73,7 @@ class CompareWidget(ComparedColors):
             known = self._map.forward >= 0
             seen, targets = other.surface.vertices[self._map.forward[known]], one.surface.vertices[known]
             placement_y = aligned_placement(other.surface, seen, placement_x.to_scene(targets), other.measured)
+            placement_y = replace(placement_y, scale=placement_y.scale * self._larger)
             self._set_texture(texture, texture_coordinates, placement_x.to_scene(surfaces[0].vertices))
             titles = [f"<b>{s.name}</b>, {s.surface.n_vertices} vertices" for s in self._shapes]
             viewer = new_viewer(surfaces, [placement_x, placement_y], size, titles)
@@ -99,6 +101,12 @@ class CompareWidget(ComparedColors):
     def pairs(self) -> list[tuple[int, int]]:
         """Vertex of X and vertex of Y for each point that was clicked; -1 where it has no partner."""
         return [self._pair(pick) for pick in (self.picked, self.second) if pick is not None]
+
+    @property
+    def _larger(self) -> float:
+        """How much larger than with sqrt(area) 1 Y is drawn: a part is as large as it is on the whole."""
+        found = self._correspondence
+        return 1.0 if found is None else float(np.sqrt(found.overlap_x / found.overlap_y))
 
     # -- the map ------------------------------------------------------------------------------------
 
