@@ -26,7 +26,6 @@ from qgeo_filters.errors import ParameterError
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-Other = TypeVar("Other")
 
 # Sources of one task: a few blocks of lanes, so that memory and the loss at an interruption stay small.
 GROUP = 64
@@ -253,17 +252,6 @@ def concurrently(function: Callable[[Item], Result], items: Iterable[Item], work
     # BLAS's own threads would wait for each other's cores: measured, they doubled the CPU time and saved none.
     with single_threaded_blas:
         return in_threads(function, items, workers)
-
-
-def side_by_side(
-    first: Callable[[], Result], second: Callable[[], Other], workers: int | None = None
-) -> tuple[Result, Other]:
-    """Results of two short calls, the second in a thread of its own if there may be two; no progress is reported."""
-    if worker_count(workers) == 1:
-        return first(), second()
-    with _pool(1) as pool:
-        call = pool.submit(second)
-        return first(), call.result()
 
 
 def run_tasks(

@@ -14,12 +14,12 @@ from scipy.spatial import cKDTree
 
 from qgeo_filters._typing import IndexArray
 from qgeo_filters.errors import ParameterError
-from qgeo_filters.parallel import side_by_side, worker_count
+from qgeo_filters.parallel import worker_count
 
 # Rows of the similarity matrix at once.
 _BLOCK = 1024
 # Rows from which on a search is shared by all cores.
-_THREADED = 1000
+_THREADED = 3000
 
 
 def nearest_neighbors(points: npt.NDArray, others: npt.NDArray) -> IndexArray:
@@ -43,17 +43,10 @@ def nearest_neighbors_both_ways(
     leaves out most rows; for eigenfunctions alone `nearest_neighbors` is faster. ``tree`` is that of others, if it is
     there already.
     """
-    # Side by side, so that the tree of one is built while the other is searched; few rows are not worth the threads.
-    count = 1 if max(len(points), len(others)) < _THREADED else worker_count()
-    each = max(count // 2, 1)
-
-    def forth() -> IndexArray:
-        return np.asarray((cKDTree(others) if tree is None else tree).query(points, workers=each)[1], dtype=np.int64)
-
-    def back() -> IndexArray:
-        return np.asarray(cKDTree(points).query(others, workers=each)[1], dtype=np.int64)
-
-    return side_by_side(forth, back, count)
+    workers = 1 if max(len(points), len(others)) < _THREADED else worker_count()
+    forth = (cKDTree(others) if tree is None else tree).query(points, workers=workers)[1]
+    back = cKDTree(points).query(others, workers=workers)[1]
+    return np.asarray(forth, dtype=np.int64), np.asarray(back, dtype=np.int64)
 
 
 def functional_map(
