@@ -93,7 +93,8 @@ def test_errors_are_measured_on_the_wrap_that_was_matched(tmp_path: Path) -> Non
         for v in some:
             way = qg.distances(surface, int(stands[truth[v]]), "cartesian")[0, stands[found.p2p[v]]]
             assert errors[v] * np.sqrt(surface.area) == pytest.approx(way, rel=1e-3, abs=1e-6)
-    assert qg.match(icosphere(3), icosphere(3)).wrap_y == 0
+    closed = qg.testing.sample_surface()
+    assert qg.match(closed, closed).wrap_y == 0
 
 
 def test_what_was_matched_is_not_wrapped_once_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -116,7 +117,8 @@ def test_what_was_matched_is_not_wrapped_once_more(tmp_path: Path, monkeypatch: 
         monkeypatch.setattr(module, "wrap_surface", lambda *_, **__: pytest.fail("wrapped once more"))
     for kept, new in zip(made(found), anew, strict=True):
         np.testing.assert_array_equal(kept, new)
-    assert qg.match(icosphere(3), icosphere(3)).around_x is None
+    closed = qg.testing.sample_surface()
+    assert qg.match(closed, closed).around_x is None
 
 
 def test_a_wrap_of_another_size_stands_for_its_mesh() -> None:

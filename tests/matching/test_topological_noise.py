@@ -65,8 +65,7 @@ def error(of: MatchProblem, p2p: np.ndarray) -> float:
     return float(geodesic_error(p2p, np.arange(of.x.n_vertices), of.y.surface).mean())
 
 
-@pytest.mark.parametrize("with_handle", [True, False])
-@pytest.mark.parametrize("axis", [0, 2])
+@pytest.mark.parametrize(("with_handle", "axis"), [(True, 0), (False, 2)])
 def test_a_wrong_map_gives_way_to_the_right_one(with_handle: bool, axis: int) -> None:
     given = problem(with_handle)
     wrong = found(given, turned_about(axis), 1.2)
