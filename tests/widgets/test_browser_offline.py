@@ -20,6 +20,7 @@ from qgeo_filters import Animation, Surface
 from qgeo_filters.animation.pose_transfer import Transfer
 from qgeo_widgets import symmetry_widget
 from qgeo_widgets.offscreen import pane_picture
+from qgeo_widgets.rendering import display_mesh
 from qgeo_widgets.rendering.pane import Line
 
 
@@ -70,7 +71,8 @@ def test_a_page_holds_shapes_colors_and_partners_as_they_are(pair, tmp_path):
     shape, pane = data["setup"]["panes"][0], widget._viewer.panes[0]
     np.testing.assert_array_equal(np.frombuffer(shape["index"], np.uint16).reshape(-1, 3), x.faces)
     np.testing.assert_allclose(places(shape["positions"]), pane.placement.to_scene(x.vertices), atol=1e-5)
-    np.testing.assert_array_equal(np.frombuffer(data["partners"][0], np.int32), where)
+    for name in ("vertices", "drawn"):
+        np.testing.assert_array_equal(np.frombuffer(data["partners"][0][name], np.int32), where)
     assert data["modes"][data["start"]]["name"] == "attribute: height"
     painted = data["modes"][data["start"]]["steps"][0]["panes"][0]
     colors = np.frombuffer(painted["lut"], np.uint8).reshape(-1, 3)[np.frombuffer(painted["index"], np.uint8)]
@@ -81,6 +83,77 @@ def test_a_page_holds_shapes_colors_and_partners_as_they_are(pair, tmp_path):
     assert widget.mode == "attribute: height"
     assert widget.k == 1
     widget.close()
+
+
+@pytest.fixture
+def large(monkeypatch) -> tuple[Surface, Surface, np.ndarray]:
+    """Two shapes with other numbers for the same vertices, drawn coarser, and the map from one to the other."""
+    monkeypatch.setattr(display_mesh, "SHOWN_AS_IT_IS", 400)
+    monkeypatch.setattr(display_mesh, "SHOWN_OF_LARGER", 390)
+    vertices, faces = shapes.blob(3, seed=2)
+    order = np.random.default_rng(0).permutation(len(vertices))  # vertex i of Y is vertex order[i] of X
+    where = np.argsort(order)
+    return Surface(vertices, faces), Surface(vertices[order] + [3, 0, 0], where[faces]), where
+
+
+def test_partners_on_a_page_of_large_shapes_are_those_of_the_vertices_that_are_drawn(large, tmp_path):
+    x, y, where = large
+    where = np.where(np.arange(x.n_vertices) % 5 == 0, -1, where)
+    widget = qw.compare(x, y, p2p=where)
+    widget.to_html(tmp_path / "page.html")
+    data = page_data(tmp_path / "page.html")
+    left, right = (pane.display for pane in widget._viewer.panes)
+    assert left.is_proxy
+    assert right.is_proxy
+    numbers = np.frombuffer(data["setup"]["panes"][0]["numbers"], np.int32)
+    vertices, drawn = (np.frombuffer(data["partners"][0][name], np.int32) for name in ("vertices", "drawn"))
+    assert len(vertices) == left.shown.n_vertices
+    np.testing.assert_array_equal(vertices, where[numbers])
+    np.testing.assert_array_equal(drawn < 0, vertices < 0)
+    there = drawn >= 0
+    off = np.linalg.norm(right.shown.vertices[drawn[there]] - y.vertices[vertices[there]], axis=1)
+    assert off.max() < right.shown.edge_lengths.max()
+    widget.close()
+
+
+def test_rows_on_a_page_of_a_large_shape_are_those_of_the_vertices_that_are_drawn(large, tmp_path):
+    x = large[0]
+    widget = qw.matrix(x)
+    widget.to_html(tmp_path / "page.html")
+    matrix = page_data(tmp_path / "page.html")["matrix"]
+    shown = widget._viewer.panes[0].display.shown
+    index = np.frombuffer(matrix["rows"], np.uint8).reshape(matrix["count"], shown.n_vertices)
+    vertices, drawn = (np.frombuffer(matrix[name], np.int32) for name in ("vertices", "drawn"))
+    off = np.linalg.norm(shown.vertices[drawn] - x.vertices[vertices], axis=1)
+    assert off.max() < shown.edge_lengths.max()
+    # A row is nearest to nothing at its own vertex.
+    nearest = shown.vertices[index.argmin(axis=1)]
+    assert np.linalg.norm(nearest - x.vertices[vertices], axis=1).max() < 2 * shown.edge_lengths.max()
+    widget.close()
+
+
+@pytest.mark.browser
+def test_a_click_on_a_page_of_large_shapes_marks_the_partner(large, tmp_path, offline):
+    x, y, where = large
+    widget = qw.compare(x, y, p2p=where)
+    widget.to_html(tmp_path / "page.html")
+    widget.close()
+    page = offline(tmp_path / "page.html")
+    views = page.locator(".qgeo-view").first, page.locator(".qgeo-view").last
+    tools.until(lambda: tools.pixels(views[0]).std() > 15)
+    before = [tools.settled(view) for view in views]
+    box = views[0].bounding_box()
+    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    text = page.locator("#picked").inner_text()
+    i, j = map(int, re.fullmatch(r"vertex (\d+) of X ↔ vertex (\d+) of Y", text).groups())
+    assert where[i] == j
+    page.mouse.move(2, 2)  # or something is said beside the mouse
+    # The shapes are the same, and so are the places of both marks.
+    changed = []
+    for view, old in zip(views, before, strict=True):
+        marked = np.abs(tools.settled(view).astype(float) - old).max(axis=-1) > 20
+        changed.append(np.argwhere(marked).mean(axis=0))
+    assert np.linalg.norm(changed[0] - changed[1]) < 30  # the drawn vertices differ
 
 
 def test_modes_of_a_page_can_be_chosen(pair, tmp_path):

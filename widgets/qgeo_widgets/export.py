@@ -13,10 +13,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from qgeo_filters._typing import IndexArray
 from qgeo_filters.atomic import atomic_write
 from qgeo_widgets.fields import ColorField, Field, Limits, RegionField, ScalarField
 from qgeo_widgets.page_block import PageBlock
 from qgeo_widgets.rendering import browser_module
+from qgeo_widgets.rendering.display_mesh import DisplayMesh
 from qgeo_widgets.rendering.encoding import border_data, color_bytes, line_data, mark_data, scene_data
 from qgeo_widgets.rendering.motion import Motion
 from qgeo_widgets.rendering.pane import Pane
@@ -103,7 +105,7 @@ def page_text(viewer: Viewer, page: Page, still: str) -> str:
             }
             for m, (name, fields) in enumerate(page.modes)
         ],
-        "partners": None if page.partners is None else [np.asarray(p, dtype=np.int32) for p in page.partners],
+        "partners": None if page.partners is None else _partner_data(page.partners, viewer.panes),
         "matrix": page.matrix or None,
         "motion": page.motion or None,
     }
@@ -129,12 +131,14 @@ def page_text(viewer: Viewer, page: Page, still: str) -> str:
 def matrix_data(
     image: npt.NDArray[np.uint8],
     rows: npt.NDArray[np.floating],
-    vertices: npt.NDArray[np.integer],
+    vertices: IndexArray,
+    display: DisplayMesh,
     strip: str,
     title: str,
     span: Limits,
 ) -> dict[str, Any]:
     """What a page needs of a matrix: its picture (m, m, 3), its rows (m, n), their vertices (m,), their scale."""
+    rows = display.at_vertices(rows.T).T
     shown = ScalarField([rows.astype(np.float64, copy=False)], "distance from the row's vertex / √area", span=span)
     index, lut = _indexed(rows, shown, None)
     return {
@@ -144,7 +148,8 @@ def matrix_data(
         "image": np.asarray(image, dtype=np.uint8),
         "rows": index,
         "lut": lut,
-        "vertices": np.asarray(vertices, dtype=np.int32),
+        "vertices": vertices.astype(np.int32),
+        "drawn": display.drawn_at(vertices).astype(np.int32),
         "legend": shown.legend(None),
         "drawing": shown.drawing(None),
         "scale": _span(shown, None),
@@ -154,6 +159,15 @@ def matrix_data(
 def motion_data(motion: Motion | None, state: Mapping[str, Any]) -> dict[str, Any]:
     """What a page needs to play: times of the frames (k,), and time, speed, loop and seconds at first."""
     return {} if motion is None else {"times": motion.times.tolist(), **state}
+
+
+def _partner_data(partners: Sequence[npt.NDArray[np.integer]], panes: Sequence[Pane]) -> list[dict[str, Any]]:
+    """Partner of each drawn vertex of two panes: the vertex of the other shape, and the one that is drawn for it."""
+    data = []
+    for images, pane, other in zip(partners, panes, reversed(panes), strict=True):
+        there = pane.display.at_vertices(np.asarray(images, dtype=np.int64))
+        data.append({"vertices": there.astype(np.int32), "drawn": other.display.drawn_at(there).astype(np.int32)})
+    return data
 
 
 def _marked(pane: Pane, lasting: tuple[str, ...]) -> dict[str, Any]:

@@ -218,7 +218,8 @@ class MatrixWidget(ShapeWidget):
 
         strip = _strip(len(self._table))
         title = f"distances between {len(self._table)} vertices"
-        data = matrix_data(self._image(None), self._table, self._vertex_of_row, strip, title, self._span)
+        display = self._viewer.panes[0].display
+        data = matrix_data(self._image(None), self._table, self._vertex_of_row, display, strip, title, self._span)
         return {"matrix": data, "hint": "Move over the matrix to see its rows on the shape; click on the shape."}
 
     def close(self) -> None:

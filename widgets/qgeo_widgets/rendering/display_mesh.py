@@ -44,6 +44,7 @@ class DisplayMesh:
         self.surface = surface
         self.shown = surface
         self._vertices: IndexArray | None = None
+        self._drawn: IndexArray | None = None
         most = SHOWN_AS_IT_IS if most is None else min(most, SHOWN_AS_IT_IS)
         of_larger = min(most, SHOWN_OF_LARGER)
         if surface.n_vertices > most:
@@ -52,7 +53,7 @@ class DisplayMesh:
                 proxy = cache.get(key, lambda: decimated(surface, of_larger))  # once for both sides of a shape
             except QgeoError:
                 return
-            self.shown, self._vertices = proxy.surface, proxy.vertices
+            self.shown, self._vertices, self._drawn = proxy.surface, proxy.vertices, proxy.nearest_corner
 
     @property
     def is_proxy(self) -> bool:
@@ -67,6 +68,10 @@ class DisplayMesh:
     def at_vertices(self, values: np.ndarray) -> np.ndarray:
         """Values (n, ...) of the surface at the vertices that are drawn: those of the nearest vertex."""
         return values if self._vertices is None else values[self._vertices]
+
+    def drawn_at(self, vertices: IndexArray) -> IndexArray:
+        """The drawn vertex that stands for each vertex of the surface, -1 for -1."""
+        return vertices if self._drawn is None else np.where(vertices >= 0, self._drawn[vertices], -1)
 
     def vertex_at(self, corners: IndexArray, point: npt.ArrayLike) -> int:
         """Vertex of the surface nearest to a point of a drawn triangle with these corners."""

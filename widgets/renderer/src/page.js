@@ -94,22 +94,25 @@ class Page {
   }
 
   clicked(number, vertex) {
-    const pair = this.data.partners ? typed(this.data.partners[number], Int32Array)[vertex] : -1;
-    this.pick(this.shapes.map((_, i) => (i === number ? vertex : pair)));
+    const partners = this.data.partners?.[number];
+    const [pair, drawn] = partners ? [partners.vertices, partners.drawn].map((all) => typed(all, Int32Array)[vertex]) : [-1, -1];
+    this.pick(this.shapes.map((_, i) => (i === number ? vertex : drawn)));
     const {numbers} = this.view.panes[number];
+    const said = `vertex ${numbers ? numbers[vertex] : vertex}`;
     element('picked').textContent = pair < 0
-      ? `vertex ${numbers ? numbers[vertex] : vertex}${this.data.partners ? ' has no partner' : ''}`
-      : `vertex ${vertex} of ${this.names[number]} ↔ vertex ${pair} of ${this.names[1 - number]}`;
+      ? `${said}${partners ? ' has no partner' : ''}`
+      : `${said} of ${this.names[number]} ↔ vertex ${pair} of ${this.names[1 - number]}`;
   }
 
   addMatrix(matrix) {
     const rows = typed(matrix.rows, Uint8Array);
     const vertices = typed(matrix.vertices, Int32Array);
+    const drawn = typed(matrix.drawn, Int32Array);
     const n = this.view.panes[0].count;
     const canvas = new MatrixCanvas(matrix.count, this.data.setup.size[1], {hover: (row) => {
       canvas.show(row, -1);
       this.view.paint(0, painted({index: rows.subarray(row * n, (row + 1) * n), lut: matrix.lut}, matrix));
-      this.pick([vertices[row]]);
+      this.pick([drawn[row]]);
       element('legend').innerHTML = matrix.legend;
       this.view.legend = matrix.drawing;
       element('picked').textContent = `row ${row}: distances from vertex ${vertices[row]}`;
