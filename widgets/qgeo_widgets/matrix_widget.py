@@ -218,7 +218,7 @@ class MatrixWidget(ShapeWidget):
 
         strip = _strip(len(self._table))
         title = f"distances between {len(self._table)} vertices"
-        display = self._viewer.panes[0].display
+        display = self._open_viewer.panes[0].display
         data = matrix_data(self._image(None), self._table, self._vertex_of_row, display, strip, title, self._span)
         return {"matrix": data, "hint": "Move over the matrix to see its rows on the shape; click on the shape."}
 
