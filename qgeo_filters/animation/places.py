@@ -52,6 +52,7 @@ def places_on(
     accept_unsure: bool,
     by_landmarks: bool = True,
     repair: RepairOption = "auto",
+    wraps: tuple[Wrap | None, Wrap | None] = (None, None),
 ) -> Places:
     """Point of X for each vertex of Y.
 
@@ -67,6 +68,8 @@ def places_on(
         Whether the caller could steer such a match by landmarks, which the error then says.
     repair : bool, "auto", "force" or "wrap"
         What `match` repairs.
+    wraps : (Wrap or None, Wrap or None)
+        Of X and of Y, where a map that is no match goes by them; a match has its own.
 
     Raises
     ------
@@ -78,14 +81,14 @@ def places_on(
     if isinstance(correspondence, MatchResult):
         return _of_match(x, y, correspondence, accept_unsure, by_landmarks)
     if isinstance(correspondence, BarycentricMap):
-        return Places(_checked(x, y, correspondence), _root_of_areas(x, y))
+        return Places(_checked(x, y, correspondence), _size(x, y, wraps), wraps=wraps)
     vertices = checked_indices(correspondence, x.n_vertices, "correspondence", missing=True)
     if len(vertices) != y.n_vertices:
         raise ParameterError(
             f"correspondence must hold a vertex of X for each of the {y.n_vertices} of Y, got {len(vertices)}"
         )
     place = BarycentricMap.at_vertices(vertices, x.faces, x.n_vertices)
-    return Places(_checked(x, y, place), _root_of_areas(x, y))
+    return Places(_checked(x, y, place), _size(x, y, wraps), wraps=wraps)
 
 
 def warned(doubts: Iterable[str]) -> None:
@@ -115,8 +118,7 @@ def _of_match(x: Surface, y: Surface, found: MatchResult, accept_unsure: bool, b
         landmarks = f"give {more}landmarks (correspondence=match(x, y, landmarks=...)), " if by_landmarks else ""
         raise ParameterError(f"{doubt}. Look at it, {landmarks}or say accept_unsure=True")
     wraps = _wrap(x, found, not back), _wrap(y, found, back)
-    # Raw CT has walls inside: what tells its size is the area of its wrap.
-    size = _root_of_areas(*(one if w is None else w.surface for one, w in zip((x, y), wraps, strict=True)))
+    size = _size(x, y, wraps)
     return Places(_checked(x, y, place), size, found, found.repairs, (doubt,) if doubt else (), wraps)
 
 
@@ -128,8 +130,10 @@ def _wrap(shape: Surface, found: MatchResult, is_x: bool) -> Wrap | None:
     return found.around_x if is_x else found.around_y
 
 
-def _root_of_areas(x: Surface, y: Surface) -> float:
-    return float(np.sqrt(y.area / x.area))
+def _size(x: Surface, y: Surface, wraps: tuple[Wrap | None, Wrap | None]) -> float:
+    # Raw CT has walls inside: what tells its size is the area of its wrap.
+    area_x, area_y = (one.area if w is None else w.surface.area for one, w in zip((x, y), wraps, strict=True))
+    return float(np.sqrt(area_y / area_x))
 
 
 def _alike(one: Surface, other: Surface) -> bool:

@@ -11,10 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray
-from qgeo_filters.animation.places import MapLike
-from qgeo_filters.collection.remesh import remesh_like
+from qgeo_filters.animation.places import MapLike, places_on, warned
+from qgeo_filters.collection.remesh import laid_along
 from qgeo_filters.deformation.similarity import Similarity
 from qgeo_filters.errors import ParameterError, concerning
+from qgeo_filters.hosts.wrap import Wrap
+from qgeo_filters.parallel import single_threaded_blas
 from qgeo_filters.surface import Surface
 from qgeo_filters.validation import frozen
 
@@ -131,7 +133,12 @@ class CommonShapes:
 
 
 def common_shapes(
-    template: Surface, shapes: Mapping[str, Surface], maps: Mapping[str, MapLike], *, accept_unsure: bool = False
+    template: Surface,
+    shapes: Mapping[str, Surface],
+    maps: Mapping[str, MapLike],
+    *,
+    accept_unsure: bool = False,
+    wraps: Mapping[str, Wrap] | None = None,
 ) -> CommonShapes:
     """All shapes with the connectivity of a template, see `remesh_like`.
 
@@ -144,6 +151,9 @@ def common_shapes(
         The point, or vertex, of each shape for each vertex of the template. A shape that is the template needs none.
     accept_unsure : bool
         Whether matches that are not sure are used, with a warning.
+    wraps : mapping of name to Wrap, optional
+        Of the shapes that were wrapped, where their maps are no matches, which have their own: the template is put onto
+        the closed surface, not onto walls inside.
 
     Raises
     ------
@@ -153,12 +163,20 @@ def common_shapes(
     missing = [name for name, shape in shapes.items() if name not in maps and not _same(shape, template)]
     if missing:
         raise ParameterError(f"no map from the template to {missing[0]} ({len(missing)} such shapes)")
+    around = {} if wraps is None else wraps
+    around_template = next((wrap for name, wrap in around.items() if _same(shapes[name], template)), None)
     positions = []
-    for name, shape in shapes.items():
-        with concerning(name):
-            same = _same(shape, template)
-            one = shape if same else remesh_like(template, shape, maps[name], accept_unsure=accept_unsure)
-            positions.append(one.vertices)
+    with single_threaded_blas:
+        for name, shape in shapes.items():
+            with concerning(name):
+                if _same(shape, template):
+                    positions.append(shape.vertices)
+                    continue
+                both = around.get(name), around_template
+                places = places_on(shape, template, maps[name], accept_unsure, wraps=both)
+                one, doubts = laid_along(template, shape, places)
+                warned([f"{name}: {doubt}" for doubt in doubts])
+                positions.append(one.vertices)
     stacked: npt.NDArray[np.float64] = np.reshape(positions, (len(positions), template.n_vertices, 3))
     return CommonShapes(tuple(shapes), template, stacked)
 

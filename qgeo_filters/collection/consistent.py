@@ -27,6 +27,7 @@ from qgeo_filters.collection.synchronisation import synchronised_map, synchronis
 from qgeo_filters.collection.tasks import PROBLEM
 from qgeo_filters.errors import ParameterError, QgeoError, reason, require_package
 from qgeo_filters.hosts.repair import Repair
+from qgeo_filters.hosts.wrap import Wrap
 from qgeo_filters.io.landmarks import Landmarks
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.surface import Surface
@@ -67,7 +68,7 @@ class Consistent(Results):
         surfaces, matched = self.surfaces(), self._matched()
         if how == "matched":
             return matched
-        consistency = cycle_consistency(surfaces, matched, repairs=self._repairs())
+        consistency = self._consistency(matched)
         if how == "tree":
             return tree_maps(surfaces, matched, spanning_tree(self.names, dict(consistency.ranked())))
         if how == "template":
@@ -95,17 +96,18 @@ class Consistent(Results):
             `cycle_consistency`.
         seed : int
         """
-        return cycle_consistency(self.surfaces(), self._matched(), thirds=thirds, seed=seed, repairs=self._repairs())
+        return self._consistency(self._matched(), thirds=thirds, seed=seed)
 
     def mended(self, *, tolerance: float = TOLERANCE) -> tuple[dict[Pair, BarycentricMap], list[MendedPair]]:
         """The maps with wrong ones matched again from where all others say, and what became of each wrong pair.
 
         What is found is kept in the store, and found again as long as the others say the same.
         """
-        surfaces, matched, repairs = self.surfaces(), self._matched(), self._repairs()
-        consistency = cycle_consistency(surfaces, matched, repairs=repairs)
-        register = self._kept_registration()
-        return mended_maps(surfaces, matched, consistency, tolerance=tolerance, register=register, repairs=repairs)
+        matched, repairs, register = self._matched(), self._repairs(), self._kept_registration()
+        consistency = self._consistency(matched)
+        return mended_maps(
+            self.surfaces(), matched, consistency, tolerance=tolerance, register=register, repairs=repairs
+        )
 
     def common(self, template: str, *, how: How = "matched", accept_unsure: bool = False) -> CommonShapes:
         """All shapes with the triangles of one of them, for means, modes and statistics, see `remesh_like`.
@@ -130,7 +132,8 @@ class Consistent(Results):
             else self.maps_from(template, how)
         )
         surfaces = self.surfaces()
-        return common_shapes(surfaces[template], surfaces, found, accept_unsure=accept_unsure)
+        wraps = {name: repair for name, repair in self._repairs().items() if isinstance(repair, Wrap)}
+        return common_shapes(surfaces[template], surfaces, found, accept_unsure=accept_unsure, wraps=wraps)
 
     def landmarks(
         self, landmarks: Landmarks | npt.ArrayLike, on: str, *, how: How = "matched", tolerance: float = 0.05
@@ -143,6 +146,9 @@ class Consistent(Results):
         """The same as a pandas DataFrame with columns shape, landmark, x, y, z; NaN where one has no image."""
         pandas = require_package("pandas", "collections", "Collection.landmark_table")
         return pandas.DataFrame(landmark_table(self.landmarks(landmarks, on, how=how)))
+
+    def _consistency(self, matched: Mapping[Pair, BarycentricMap], **chosen: Any) -> CycleConsistency:
+        return cycle_consistency(self.surfaces(), matched, repairs=self._repairs(), **chosen)
 
     def _repairs(self) -> dict[str, Repair]:
         """What was matched in place of the shapes that were repaired."""
@@ -188,7 +194,7 @@ class Consistent(Results):
             return {pair: self._place(*pair) for pair in pairs}
         if how == "all ways":  # no maps of other pairs are needed
             surfaces, matched = self.surfaces(), self._matched()
-            consistency = cycle_consistency(surfaces, matched, repairs=self._repairs())
+            consistency = self._consistency(matched)
             known = {pair: synchronised_map(*pair, surfaces, matched, consistency) for pair in pairs}
         else:
             known = {**self.maps(how, template=name if how == "template" else None)}

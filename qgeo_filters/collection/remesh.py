@@ -82,12 +82,20 @@ def remesh_like(
     with default_workers(workers), single_threaded_blas:
         body, target = as_given(template, "auto")[0], as_given(shape, "auto")[0]
         places = places_on(target, body, correspondence, accept_unsure, repair=repair)
-        laid = body.with_vertices(laid_onto(body, target, places, _LENGTH))
-        vertices, turned = put_onto(*_outside(laid, target, places))
-    warned(places.doubts)
+        remeshed, doubts = laid_along(body, target, places)
+    warned(doubts)
+    return remeshed
+
+
+def laid_along(template: Surface, shape: Surface, places: Places) -> tuple[Surface, tuple[str, ...]]:
+    """The shape with the template's triangles along a map that is known, and what is to be warned of."""
+    laid = template.with_vertices(laid_onto(template, shape, places, _LENGTH))
+    vertices, turned = put_onto(*_outside(laid, shape, places))
+    doubts = places.doubts
     if turned.size:
-        warned([f"{turned.size} of {body.n_faces} triangles are turned over on the surface, the first is {turned[0]}"])
-    return body.with_vertices(vertices)
+        count = f"{turned.size} of {template.n_faces}"
+        doubts += (f"{count} triangles are turned over on the surface, the first is {turned[0]}",)
+    return template.with_vertices(vertices), doubts
 
 
 def _outside(laid: Surface, target: Surface, places: Places) -> tuple[Surface, Surface, IndexArray]:

@@ -110,6 +110,13 @@ def test_what_is_refused_is_put_onto_the_wrap_of_the_shape():
     on_wrap = closest_points(same.vertices, outside).pulled_back(outside.vertices)
     np.testing.assert_allclose(same.vertices[:-4], on_wrap[:-4], atol=1e-9)
     np.testing.assert_array_equal(qg.remesh_like(template, shape, repair="wrap").vertices, same.vertices)
+    # Along a map that is no match the wraps have to be said, or what lies inside counts.
+    both = {"template": template, "shape": shape}
+    wraps = {"template": found.around_y, "shape": found.around_x}
+    along = {"shape": found.inverse_barycentric}
+    np.testing.assert_array_equal(common_shapes(template, both, along, wraps=wraps)["shape"].vertices, same.vertices)
+    with pytest.warns(UserWarning, match="shape: .* triangles are turned over"):
+        common_shapes(template, both, along)
 
 
 def test_shapes_of_one_family_have_one_connectivity():
