@@ -103,11 +103,10 @@ class Consistent(Results):
 
         What is found is kept in the store, and found again as long as the others say the same.
         """
-        matched, repairs, register = self._matched(), self._repairs(), self._kept_registration()
-        consistency = self._consistency(matched)
-        return mended_maps(
-            self.surfaces(), matched, consistency, tolerance=tolerance, register=register, repairs=repairs
-        )
+        surfaces, matched, repairs = self.surfaces(), self._matched(), self._repairs()
+        consistency = cycle_consistency(surfaces, matched, repairs=repairs)
+        register = self._kept_registration()
+        return mended_maps(surfaces, matched, consistency, tolerance=tolerance, register=register, repairs=repairs)
 
     def common(self, template: str, *, how: How = "matched", accept_unsure: bool = False) -> CommonShapes:
         """All shapes with the triangles of one of them, for means, modes and statistics, see `remesh_like`.
@@ -126,13 +125,13 @@ class Consistent(Results):
         ParameterError
             No such shape, a map that is not sure, shapes without a way from the template.
         """
-        found: Mapping[str, Any] = (
-            {other: self._match_of(template, other)[0] for other in self._others(template)}
-            if how == "matched"  # which says whether it is sure
-            else self.maps_from(template, how)
-        )
+        found: Mapping[str, Any]
+        if how == "matched":  # a match says whether it is sure, and what was wrapped
+            found, wraps = {other: self._match_of(template, other)[0] for other in self._others(template)}, {}
+        else:
+            found = self.maps_from(template, how)
+            wraps = {name: repair for name, repair in self._repairs().items() if isinstance(repair, Wrap)}
         surfaces = self.surfaces()
-        wraps = {name: repair for name, repair in self._repairs().items() if isinstance(repair, Wrap)}
         return common_shapes(surfaces[template], surfaces, found, accept_unsure=accept_unsure, wraps=wraps)
 
     def landmarks(

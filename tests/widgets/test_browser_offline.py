@@ -61,6 +61,14 @@ def places(quantised: dict) -> np.ndarray:
     return steps * np.array(quantised["step"]) + quantised["low"]
 
 
+def pair_clicked(page, view) -> tuple[int, int]:
+    """What the page says after a click in the middle of X: its vertex, and the partner."""
+    box = view.bounding_box()
+    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    said = re.fullmatch(r"vertex (\d+) of X ↔ vertex (\d+) of Y", page.locator("#picked").inner_text())
+    return int(said[1]), int(said[2])
+
+
 def test_a_page_holds_shapes_colors_and_partners_as_they_are(pair, tmp_path):
     x, y, where = pair
     widget = qw.compare(x, y, p2p=where)
@@ -142,10 +150,7 @@ def test_a_click_on_a_page_of_large_shapes_marks_the_partner(large, tmp_path, of
     views = page.locator(".qgeo-view").first, page.locator(".qgeo-view").last
     tools.until(lambda: tools.pixels(views[0]).std() > 15)
     before = [tools.settled(view) for view in views]
-    box = views[0].bounding_box()
-    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-    text = page.locator("#picked").inner_text()
-    i, j = map(int, re.fullmatch(r"vertex (\d+) of X ↔ vertex (\d+) of Y", text).groups())
+    i, j = pair_clicked(page, views[0])
     assert where[i] == j
     page.mouse.move(2, 2)  # or something is said beside the mouse
     # The shapes are the same, and so are the places of both marks.
@@ -192,10 +197,7 @@ def test_compare_page_turns_both_views_picks_partners_and_switches_modes(pair, t
     assert "vertex" not in page.locator("#picked").inner_text()
     page.get_by_role("button", name="reset view").click()
     np.testing.assert_allclose(tools.settled(left), before[0], atol=2)
-    box = left.bounding_box()
-    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-    text = page.locator("#picked").inner_text()
-    i, j = map(int, re.fullmatch(r"vertex (\d+) of X ↔ vertex (\d+) of Y", text).groups())
+    i, j = pair_clicked(page, left)
     assert where[i] == j
     page.select_option("#mode", label="eigenfunction")
     first = tools.settled(left)
