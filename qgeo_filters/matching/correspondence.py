@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Literal, overload
 
 import numpy as np
@@ -185,7 +186,8 @@ def match(
         if matched_as_part(problem.x.full, problem.y.full, partial, normalize):
             if mirror == "yes":
                 raise ParameterError("partial matches keep the orientation: reflect one shape, or leave out partial")
-            result = match_on_given(partial_match(problem, normalize=normalize), problem.x, problem.y)
+            found = partial_match(problem, normalize=normalize)
+            result = _result(problem, found, normalize, partial, mirror)
             return (result, result.log) if log else result
         if not normalize:
             check_same_size(problem.x.full, problem.y.full, problem.parameters.same_area)
@@ -198,8 +200,16 @@ def match(
         found = described(problem, choice, dense, mirror)
         if partial == "auto" and mirror != "yes":
             found = better_as_part(problem, found)
-        result = match_on_given(found, problem.x, problem.y)
+        result = _result(problem, found, normalize, partial, mirror)
     return (result, result.log) if log else result
+
+
+def _result(
+    problem: MatchProblem, found: MatchResult, normalize: bool, partial: PartialOption, mirror: MirrorOption
+) -> MatchResult:
+    """What was found, on the vertices that were given, with the options that it was found with."""
+    asked = replace(found, normalize=normalize, partial=partial, mirror=mirror)
+    return match_on_given(asked, problem.x, problem.y)
 
 
 def _prepare(problem: MatchProblem) -> None:

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters._typing import FloatArray, IndexArray
+from qgeo_filters._typing import FloatArray, IndexArray, MirrorOption, PartialOption
 from qgeo_filters.errors import ParameterError
 from qgeo_filters.hosts.wrap import Wrap, wrap_surface
 from qgeo_filters.io.landmarks import Landmarks
@@ -77,6 +77,8 @@ class MatchResult:
         none, such as those deep inside.
     wrap_x, wrap_y : float
         The ``alpha`` of the closed surface that was matched in place of either shape, see `wrap_surface`; 0: none was.
+    normalize, partial, mirror : bool, bool or "auto", {"auto", "no", "yes"}
+        The options of `match` that it was found with.
 
     Examples
     --------
@@ -116,6 +118,9 @@ class MatchResult:
     overlap_y: float = 1.0
     wrap_x: float = 0.0
     wrap_y: float = 0.0
+    normalize: bool = True
+    partial: PartialOption = "auto"
+    mirror: MirrorOption = "auto"
 
     @cached_property
     def around_x(self) -> Wrap | None:

@@ -80,6 +80,7 @@ def test_what_has_a_left_and_a_right_keeps_them_in_the_pose_that_it_has_in_a_mir
     assert found.confident
     assert found.score > 0.005  # which is 0 in the mirror
     asked = qg.match(x, y, mirror="yes")
+    assert (asked.normalize, asked.partial, asked.mirror) == (True, "auto", "yes")
     np.testing.assert_array_equal(asked.p2p, np.arange(len(partner)))
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import shapes
 import traitlets
+from known_match import known
 
 import qgeo_widgets as qw
 from qgeo_filters import Surface, distances, lifted_metric, quasi_geodesic
@@ -522,6 +523,25 @@ def test_matched_again_the_map_agrees_with_the_landmarks(pair, counted):
     assert "the map comes within 0.0" in widget._list._rows.children[0].children[0].value
     widget.close()
     assert counted() == 0
+
+
+def test_matched_again_with_the_options_of_the_match(pair, monkeypatch):
+    x, y, where = pair
+    found = known(x, y, y.vertices[where], p2p=where, normalize=False, partial=False, mirror="yes")
+    asked = []
+
+    def noted(x, y, normalize, progress, *, partial, mirror, **others):
+        asked.append((normalize, partial, mirror))
+        return found
+
+    monkeypatch.setattr(stages, "correspondence_of", noted)
+    for p2p in (found, where):
+        widget = qw.compare(x, y, p2p=p2p)
+        widget.landmarks = [(3, int(where[3]))]
+        widget.match_again()
+        assert widget.message == ""
+        widget.close()
+    assert asked == [(False, False, "yes"), (True, "auto", "auto")]  # a map alone does not say
 
 
 def test_landmarks_that_cannot_be_are_a_sentence(widget, pair):

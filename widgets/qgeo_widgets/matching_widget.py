@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import traitlets
 
-from qgeo_filters._typing import PartialOption
+from qgeo_filters._typing import MirrorOption, PartialOption
 from qgeo_filters.atomic import atomic_write
 from qgeo_filters.errors import ParameterError, QgeoError
 from qgeo_filters.filters import stages
@@ -55,13 +55,16 @@ class MatchingWidget(ShapeWidget):
         """Take the shapes, and the map or match, or find one."""
         self._shapes = shapes
         self._correspondence: MatchResult | None = None
+        self._normalize = True
         self._partial: PartialOption = "auto"
+        self._mirror_option: MirrorOption = "auto"
         if p2p is None:
             p2p = self._found(progress)
         if isinstance(p2p, MatchResult):
             self._correspondence = checked_match(p2p, *(shape.surface for shape in shapes))
+            self._normalize, self._partial, self._mirror_option = p2p.normalize, p2p.partial, p2p.mirror
             if min(p2p.overlap_x, p2p.overlap_y) < 1:
-                self._partial = True  # again, too
+                self._partial = True
         self._map = self._given = self._map_of(p2p)
 
     def _map_of(self, p2p: npt.ArrayLike | MatchResult, name: str = "p2p") -> VertexMap:
@@ -114,7 +117,7 @@ class MatchingWidget(ShapeWidget):
             self.landmarks = [*others, pair]
 
     def match_again(self) -> None:
-        """Seek the map with the landmarks, and show it."""
+        """Seek the map with the landmarks, and show it; with the options of the match that the widget was given."""
         with self._guarded():
             self._take(self._found(False))
 
@@ -153,11 +156,12 @@ class MatchingWidget(ShapeWidget):
             return stages.correspondence_of(
                 one,
                 other,
-                True,
+                self._normalize,
                 progress,
                 repair_x=repair_one,
                 repair_y=repair_other,
                 partial=self._partial,
+                mirror=self._mirror_option,
                 landmarks=landmarks,
             )
 
