@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from pathlib import Path
 
@@ -44,6 +45,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if item.get_closest_marker("slow"):
             # Coverage makes them a third slower, and quick ones run the same lines.
             item.add_marker("no_cover")
+
+
+def pytest_collection_finish() -> None:
+    """Modules stay: what looks for garbage, after each shape of a collection, need not go through all of them."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")

@@ -29,9 +29,9 @@ def pair(level: int = 4) -> tuple[Mesh, Mesh, np.ndarray]:
     """A creature and its bent copy in pieces of their own, and the place of each vertex of X on the copy."""
     flat = creature(level=level)
     x = in_pieces(flat)
-    y = in_pieces((bent(flat[0], 0.4), flat[1]), seed=1)
+    y = in_pieces((bent(flat[0], 0.2), flat[1]), seed=1)
     nearest = np.linalg.norm(x[0][:, None] - flat[0][None], axis=2).argmin(axis=1)
-    return x, y, bent(flat[0], 0.4)[nearest]
+    return x, y, bent(flat[0], 0.2)[nearest]
 
 
 def test_what_is_refused_is_matched_as_a_wrap() -> None:
