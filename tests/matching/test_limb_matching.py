@@ -129,13 +129,13 @@ def test_a_wrong_map_gives_way_to_the_right_one() -> None:
 @pytest.mark.parametrize("finer", ["X", "Y"])
 def test_shapes_may_have_other_numbers_of_vertices(finer: str) -> None:
     """Both ways, as where the first one leaves a doubt: below 2000 vertices there are no proxies of one size."""
-    small = body(1.4, 0.7)
-    large = Surface(*limbed(DIRECTIONS, (0.5, 0.8, 0.8, 1.5, 1.5), 4))
+    small = Surface(*limbed(DIRECTIONS, (0.5, 1.4, 1.4, 0.7, 0.7), 2))
+    large = body(0.8, 1.5)
     doubting = MatchingParameters(hardly_isometric=0.0, limb_margin=1e300)
     of = MatchProblem.of(*((large, small) if finer == "X" else (small, large)), doubting)
     directions = [v / np.linalg.norm(v, axis=1, keepdims=True) for v in (of.x.surface.vertices, of.y.surface.vertices)]
     identity = np.linalg.norm(directions[0][:, None] - directions[1][None], axis=2).argmin(axis=1)
-    wrong = found(of, np.roll(identity, 100))
+    wrong = found(of, np.roll(identity, 30))
     better = with_limbs_matched(of, wrong)
     best = better.decision.best
     assert best.dense.p2p.shape == (of.x.n_vertices,)
