@@ -86,11 +86,12 @@ test)
     "$bin/ruff" format --check .
     "$bin/mypy"
     wait "$warmup"
-    # Two test processes on two cores: BLAS's own threads would wait for each other by spinning, half of all CPU time.
+    # Three test processes on two cores, since a third of the time they wait for browsers, servers and other processes.
+    # BLAS's own threads would wait for each other by spinning, half of all CPU time.
     export OPENBLAS_NUM_THREADS=1
     order="--randomly-seed=${QGEO_TEST_SEED:-2018}"
     [[ " $* " != *no:randomly* ]] || order=
-    exec "$bin/python" -m pytest -n 2 --dist loadfile $order "$@"
+    exec "$bin/python" -m pytest -n 3 --dist loadfile $order "$@"
     ;;
 coverage)
     setup test

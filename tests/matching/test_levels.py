@@ -33,7 +33,7 @@ def prepared(bend: float) -> PreparedShape:
 
 @functools.cache
 def found() -> qg.MatchResult:
-    return qg.match(prepared(0.0), prepared(0.25))
+    return qg.match(prepared(0.0), prepared(0.15))
 
 
 def test_each_level_has_its_resolution() -> None:
@@ -66,7 +66,7 @@ def test_places_on_the_coarse_level_are_near() -> None:
 
 
 def test_the_map_is_one_of_all_vertices() -> None:
-    y, scale = body(0.25), np.sqrt(body(0.25).area)
+    y, scale = body(0.15), np.sqrt(body(0.15).area)
     map_ = found()
     assert map_.p2p.shape == map_.inverse.shape == map_.distortion.shape == (2562,)
     for images in (map_.p2p, map_.inverse):
@@ -102,7 +102,7 @@ def test_distances_are_compared_at_full_resolution() -> None:
     """Against the definition, with distances on the surfaces as they were given."""
     x, map_ = prepared(0.0), found()
     probes = x.full_vertices[x.fps[: SMALL.probes]]
-    sources = (body(0.0), probes), (body(0.25), map_.p2p[probes])
+    sources = (body(0.0), probes), (body(0.15), map_.p2p[probes])
     of_x, of_y = (qg.distances(s, vertices) / np.sqrt(s.area) for s, vertices in sources)
     expected = np.abs(of_x - of_y[:, map_.p2p]).mean(axis=0)
     assert np.abs(map_.distortion - expected).mean() < 0.004
