@@ -62,8 +62,7 @@ setup() {
     stamp="$venv/.qgeo-$extra-$("$python" -c 'import zlib; print(zlib.crc32(open("pyproject.toml", "rb").read()))')"
     if [ ! -e "$stamp" ]; then
         echo "run.sh: installing qgeo-filters[$extra] into $venv"
-        # Modules are compiled where they are first imported: most of what is installed never is.
-        "$bin/python" -m pip install -q --disable-pip-version-check --no-compile -e ".[$extra]"
+        "$bin/python" -m pip install -q --disable-pip-version-check -e ".[$extra]"
         touch "$stamp"
     fi
 }
@@ -78,7 +77,7 @@ demo)
 test)
     shift
     setup test
-    # Kernels are compiled once, on the other core, and not in both test processes.
+    # Kernels are compiled once, on the other core, and not in each test process.
     "$bin/qgeo" warmup >/dev/null &
     warmup=$!
     trap 'kill "$warmup" 2>/dev/null || true' EXIT
@@ -86,12 +85,11 @@ test)
     "$bin/ruff" format --check .
     "$bin/mypy"
     wait "$warmup"
-    # Three test processes on two cores, since a third of the time they wait for browsers, servers and other processes.
-    # BLAS's own threads would wait for each other by spinning, half of all CPU time.
+    # Two test processes on two cores: BLAS's own threads would wait for each other by spinning, half of all CPU time.
     export OPENBLAS_NUM_THREADS=1
     order="--randomly-seed=${QGEO_TEST_SEED:-2018}"
     [[ " $* " != *no:randomly* ]] || order=
-    exec "$bin/python" -m pytest -n 3 --dist loadfile $order "$@"
+    exec "$bin/python" -m pytest -n 2 --dist loadfile $order "$@"
     ;;
 coverage)
     setup test
