@@ -183,8 +183,8 @@ def compare(
         What `qgeo_filters.as_surface` takes, or a `Repair`, of which the mesh that was given is shown.
     p2p : MatchResult, or array-like of int, shape (n_x,), optional
         What `qgeo_filters.match` returned, with its regions, its score and whether it is sure; of wraps and of parts,
-        too. Or the vertex of Y for each vertex of X; -1: no partner, which is grey. By default found by
-        `qgeo_filters.match`, with a progress bar.
+        too; "match again" goes by its options. Or the vertex of Y for each vertex of X; -1: no partner, which is grey.
+        By default found by `qgeo_filters.match`, with a progress bar.
     truth : array-like of int, shape (n_x,), optional
         The true map, to show the error; -1: not known.
     texture : path, or array-like, shape (h, w), (h, w, 3) or (h, w, 4), optional
