@@ -70,8 +70,8 @@ def test_a_mesh_that_no_surface_can_hold_is_moved_all_the_same() -> None:
 def test_on_a_wrap_it_moves_what_was_given() -> None:
     """The map is that between wraps; what lies inside comes along, and each filter says what it cannot do there."""
     mesh = qg.Surface(*in_pieces(creature(level=3)))
-    pose = arched(mesh.vertices, 0.2) + SIDEWAYS
-    other = qg.Surface(*in_pieces((arched(creature(level=3)[0], 0.2) + SIDEWAYS, creature(level=3)[1]), seed=1))
+    pose = arched(mesh.vertices, 0.4) + SIDEWAYS
+    other = qg.Surface(*in_pieces((arched(creature(level=3)[0], 0.4) + SIDEWAYS, creature(level=3)[1]), seed=1))
     steps = (
         qg.DeformationTransfer(source=mesh, poses=[pose]),
         qg.Interpolate(target=other, t=1.0),

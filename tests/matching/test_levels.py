@@ -32,8 +32,8 @@ def prepared(bend: float) -> PreparedShape:
 
 
 @functools.cache
-def found() -> qg.MatchResult:
-    return qg.match(prepared(0.0), prepared(0.15))
+def found(bend: float = 0.15) -> qg.MatchResult:
+    return qg.match(prepared(0.0), prepared(bend))
 
 
 def test_each_level_has_its_resolution() -> None:
@@ -65,9 +65,11 @@ def test_places_on_the_coarse_level_are_near() -> None:
     assert len(np.unique(shape.full_vertices)) == shape.n_vertices
 
 
-def test_the_map_is_one_of_all_vertices() -> None:
-    y, scale = body(0.15), np.sqrt(body(0.15).area)
-    map_ = found()
+@pytest.mark.parametrize("bend", [0.15, pytest.param(0.25, marks=[pytest.mark.slow, pytest.mark.thorough])])
+def test_the_map_is_one_of_all_vertices(bend: float) -> None:
+    """At .25 the quick search is in doubt."""
+    y, scale = body(bend), np.sqrt(body(bend).area)
+    map_ = found(bend)
     assert map_.p2p.shape == map_.inverse.shape == map_.distortion.shape == (2562,)
     for images in (map_.p2p, map_.inverse):
         assert np.linalg.norm(y.vertices[images] - y.vertices, axis=1).mean() < 0.02 * scale
