@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from qgeo_filters._typing import FloatArray
 from qgeo_filters.errors import MeshError, reason
@@ -84,6 +83,8 @@ def _indices(entry: dict[str, Any], key: str, name: str) -> list[int]:
 
 def _local_matrix(node: dict[str, Any], name: str) -> FloatArray:
     """Matrix of a node relative to the one above: as it stands, or of translation, rotation and scale."""
+    from scipy.spatial.transform import Rotation  # half a second, which a command that reads no scene need not wait
+
     matrix = np.eye(4)
     try:
         if "matrix" in node:

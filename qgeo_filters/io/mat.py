@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.io
 
 from qgeo_filters._typing import FloatArray, IntArray
 from qgeo_filters.atomic import atomic_path
@@ -38,6 +37,8 @@ def read(path: Path, repair: bool) -> RawMesh:
 
 def write(path: Path, vertices: FloatArray, faces: IntArray) -> None:
     """Write the variable ``surface`` with fields X, Y, Z, TRIV."""
+    import scipy.io  # not before it is needed: each command loads all formats
+
     x, y, z = vertices.T[:, :, None]
     fields: dict[str, Any] = {"X": x, "Y": y, "Z": z, "TRIV": faces.astype(np.float64) + 1}
     with atomic_path(path) as temporary:
