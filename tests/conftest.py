@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gc
 import os
+import subprocess
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -27,24 +29,51 @@ def shared_data() -> Path:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """``--thorough``: the tests, too, that the gate has no time for."""
-    parser.addoption("--thorough", action="store_true", help="also the tests that are marked thorough")
+    parser.addoption("--thorough", action="store_true", help="also all tests that are marked slow or thorough")
+    parser.addoption(
+        "--third", type=int, choices=(0, 1, 2), help="the third of the slow tests that a run of all tests takes"
+    )
+
+
+def pytest_report_header(config: pytest.Config) -> str:
+    """Which of the slow tests are run."""
+    if config.getoption("--thorough") or not _takes_all_files(config):
+        return "slow tests: all that are named"
+    return f"slow tests: --third={_third(config)} (--thorough runs all of them)"
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out thorough tests that nobody asked for; measure no coverage in slow ones."""
+    """Leave out thorough tests that nobody asked for, and two of three slow ones; begin with files that take long."""
+    slow = sorted((item for item in items if item.get_closest_marker("slow")), key=lambda item: item.nodeid)
     if not config.getoption("--thorough"):
         named = [arg for arg in config.args if "::" in arg]
-        left_out = [
+        left_out = {
             item
             for item in items
             if item.get_closest_marker("thorough") and not any(item.nodeid.startswith(name) for name in named)
-        ]
-        config.hook.pytest_deselected(items=left_out)
+        }
+        if _takes_all_files(config):
+            slow = [item for item in slow if item not in left_out]
+            third = _third(config)
+            left_out.update(item for place, item in enumerate(slow) if place % 3 != third)
+        config.hook.pytest_deselected(items=list(left_out))
         items[:] = [item for item in items if item not in left_out]
-    for item in items:
-        if item.get_closest_marker("slow"):
-            # Coverage makes them a third slower, and quick ones run the same lines.
-            item.add_marker("no_cover")
+    # Files are handed out in this order; what takes long must not be what one process does while another has done.
+    of_file = Counter(item.path for item in slow if item in items)
+    items.sort(key=lambda item: -of_file[item.path])
+
+
+def _takes_all_files(config: pytest.Config) -> bool:
+    return [Path(config.invocation_params.dir, arg).resolve() for arg in config.args] == [ROOT / "tests"]
+
+
+def _third(config: pytest.Config) -> int:
+    """That which was asked for, or that of the commit: the next commit sees others."""
+    asked = config.getoption("--third")
+    if asked is not None:
+        return int(asked)
+    git = subprocess.run(["git", "rev-parse", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=False)
+    return int(git.stdout, 16) % 3 if git.returncode == 0 else 0
 
 
 def pytest_collection_finish() -> None:

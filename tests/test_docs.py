@@ -144,6 +144,7 @@ def test_examples_begin_with_a_title_and_take_no_helper_of_ours(path: Path) -> N
     assert "QGEO_DATA" not in source
 
 
+@pytest.mark.slow
 def test_an_example_that_takes_too_long_fails_the_build(tmp_path: Path) -> None:
     """A gallery of two examples with the settings of ours, and a bound that one of them is above."""
     pytest.importorskip("sphinx_gallery", reason="the extra docs is not installed")

@@ -48,6 +48,7 @@ def run(folder: Path, program: str, cache: Path | None = None) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("decorator", ["inner", "kernel"])
 def test_a_caller_sees_the_edit_of_what_it_calls(tmp_path: Path, decorator: str) -> None:
     """Only the callee's file is touched: its code, then a constant that it takes from its module; then nothing."""
@@ -68,6 +69,7 @@ def test_a_caller_sees_the_edit_of_what_it_calls(tmp_path: Path, decorator: str)
     assert not list((tmp_path / "__pycache__").glob("*.tmp"))
 
 
+@pytest.mark.slow
 def test_processes_of_different_code_do_not_take_each_others(tmp_path: Path) -> None:
     """Two copies of the callee behind one caller and one cache, many processes at once: each gets its own result."""
     (tmp_path / "caller.py").write_text(CALLER)

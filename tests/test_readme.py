@@ -12,7 +12,6 @@ from conftest import ROOT
 import qgeo_filters as qg
 
 
-@pytest.mark.slow
 def test_the_first_snippet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """As it stands, but for the window: a coloured mesh, a selection of some vertices, and a pipeline in a file."""
     open3d = pytest.importorskip("open3d")

@@ -35,6 +35,7 @@ def test_the_same_side_is_shown_of_a_turned_copy(sphere: Surface) -> None:
     assert (seen == seen_of_copy).mean() > 0.95
 
 
+@pytest.mark.slow
 def test_sides_show_two_colours_and_the_axis(sphere: Surface) -> None:
     side = np.sign(np.round(sphere.vertices[:, 0], 1)).astype(np.int8)
     assert (side == 0).any()
@@ -75,6 +76,7 @@ def test_one_camera_and_one_scale_for_all_poses(sphere: Surface) -> None:
         plot_poses([], [])
 
 
+@pytest.mark.slow
 def test_poses_in_one_colouring(sphere: Surface) -> None:
     order = np.random.default_rng(0).permutation(162)
     image = np.argsort(order)

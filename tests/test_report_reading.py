@@ -70,6 +70,7 @@ def test_what_a_number_means_stands_beside_it() -> None:
     assert meaning("of_others") == ""
 
 
+@pytest.mark.slow
 def test_mirror_images_are_drawn_in_mirror_colors(sphere: Surface) -> None:
     images = np.array([np.linalg.norm(sphere.vertices - v * [-1, 1, 1], axis=1).argmin() for v in sphere.vertices])
     view = best_view(sphere.vertices, sphere.faces)
@@ -112,6 +113,7 @@ def test_the_worst_places_are_far_from_each_other(sphere: Surface) -> None:
         worst_places(sphere, [1.0, 2.0, 3.0])
 
 
+@pytest.mark.slow
 def test_a_place_that_the_surface_hides_is_marked_before_it(sphere: Surface) -> None:
     """The inner of two shells, as a mouth in a head: no view from outside sees it, and its mark is seen."""
     inner = len(sphere.vertices)
@@ -131,6 +133,7 @@ def test_a_place_that_the_surface_hides_is_marked_before_it(sphere: Surface) -> 
         assert abs(np.nonzero(red)[0].mean() / len(red) - 0.5) < 0.06
 
 
+@pytest.mark.slow
 def test_the_picture_shows_each_place_and_its_image_in_the_middle(sphere: Surface) -> None:
     places = np.array([int((sphere.vertices @ axis).argmax()) for axis in ([1, 0, 0], [0, 0, -1], [0, 1, 0])])
     same = np.arange(sphere.n_vertices)

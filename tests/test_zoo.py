@@ -127,6 +127,7 @@ def test_a_repaired_orientable_mesh_is_oriented(animal):
     assert repair.surface.is_oriented == orientable
 
 
+@pytest.mark.slow
 @settings(max_examples=300)
 @given(seed=st.integers(0, 2**32 - 1), n_vertices=st.integers(3, 14), n_faces=st.integers(1, 60))
 def test_any_soup_becomes_one_manifold_piece(seed, n_vertices, n_faces):

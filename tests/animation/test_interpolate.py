@@ -29,6 +29,7 @@ def test_a_pose_in_other_triangles_is_reached_along_the_map(fine: Surface, coars
     assert gaps.mean() < 0.01 * np.sqrt(fine.area)
 
 
+@pytest.mark.slow
 def test_between_meshes_in_pieces_the_way_goes_along_the_map_between_wraps() -> None:
     whole = Surface(*creature(level=3))
     x = Surface(*in_pieces(creature(level=3)))

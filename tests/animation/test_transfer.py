@@ -53,6 +53,7 @@ def test_poses_go_over_with_no_markers(
     assert result.apart < 0.03
 
 
+@pytest.mark.slow
 def test_the_match_may_be_one_of_y_and_x(
     fine: Surface, coarse: Surface, poses: list[np.ndarray], found: qg.MatchResult
 ) -> None:
@@ -163,6 +164,7 @@ def test_scans_in_any_triangulation_are_matched_first(fine: Surface, coarse: Sur
         assert mean_error(moved, size * pose, fine) < 0.03 * size
 
 
+@pytest.mark.slow
 def test_what_is_refused_is_moved_by_the_map_between_wraps() -> None:
     """In pieces, with a sheet inside that has no place on the wrap, and comes along."""
     x, y = (Surface(*in_pieces(creature(level=3), seed)) for seed in (0, 1))
@@ -180,6 +182,7 @@ def test_what_is_refused_is_moved_by_the_map_between_wraps() -> None:
     np.testing.assert_array_equal(again.positions, moved.positions)
 
 
+@pytest.mark.slow
 def test_the_size_of_a_scan_with_walls_inside_is_that_of_its_wrap() -> None:
     """Twice the area, most of it inside: a pose is taken over in the size of what can be seen."""
     whole = Surface(*creature(level=3))
@@ -193,6 +196,7 @@ def test_the_size_of_a_scan_with_walls_inside_is_that_of_its_wrap() -> None:
     assert mean_error(posed.vertices - posed.vertices.mean(0), whole.vertices - whole.vertices.mean(0), whole) < 0.02
 
 
+@pytest.mark.slow
 def test_scans_are_wrapped_too() -> None:
     x = Surface(*creature(level=3))
     pose = arched(x.vertices, 0.2)

@@ -53,6 +53,7 @@ def test_a_folder_of_poses_becomes_poses_of_the_other(qgeo: Qgeo, loaded: Loaded
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scans", [[], ["--scans", "--accept-unsure"]])
 def test_poses_that_cannot_be_used_are_named_and_the_rest_goes_on(
     qgeo: Qgeo, loaded: Loaded, folder: Path, scans: list[str]
@@ -179,6 +180,7 @@ def test_bad_input(
     assert "Traceback" not in result.stderr
 
 
+@pytest.mark.slow
 def test_the_advice_to_wrap_is_taken(qgeo: Qgeo, loaded: Loaded, meshes: Path) -> None:
     """What --wrap does is what the functions do with repair="wrap", on the vertices of the files."""
     whole = creature(level=3)

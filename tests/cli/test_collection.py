@@ -82,6 +82,7 @@ def test_from_a_folder_to_tables_and_a_report(qgeo: Qgeo, loaded: Loaded, quick:
         assert html.formatted(collection.map(x, y).c_xy) in own
 
 
+@pytest.mark.slow
 def test_landmarks_and_one_connectivity_from_a_folder(qgeo: Qgeo, loaded: Loaded, quick: None) -> None:
     """The table of a folder by one command; the second goes on with the store that the first one made."""
     folder, marks = written(Path("poses"), 3), [3, 70]
@@ -122,6 +123,7 @@ def test_landmarks_and_one_connectivity_from_a_folder(qgeo: Qgeo, loaded: Loaded
     assert (result.exit_code, result.stderr) == (2, "qgeo: no shape is called 'p9'; there are p0, p1, p2\n")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("maps", ["matched", "tree"])
 def test_shapes_without_a_map_are_named_and_the_rest_goes_on(
     qgeo: Qgeo, loaded: Loaded, quick: None, maps: str

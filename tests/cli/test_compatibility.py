@@ -95,6 +95,7 @@ def test_a_baseline_that_cannot_be_matched_is_refused_by_its_own_name(qgeo: Qgeo
     assert not Path("qgeo-out").exists()
 
 
+@pytest.mark.slow
 def test_maps_between_different_meshes_are_found_as_by_the_function(
     qgeo: Qgeo, loaded: Loaded, poses: list[str]
 ) -> None:

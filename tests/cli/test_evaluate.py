@@ -65,6 +65,7 @@ def test_matches(qgeo: Qgeo, loaded: Loaded, dataset: Path) -> None:
     assert [row["name"] for row in chosen["results"]["rows"]] == [row["name"] for row in found["rows"]]
 
 
+@pytest.mark.slow
 def test_a_public_benchmark_in_two_processes(qgeo: Qgeo, loaded: Loaded, dataset: Path) -> None:
     """The same errors as in one, beside published ones; what the processes have kept is taken afterwards."""
     folder = dataset.parent / "faust"

@@ -281,6 +281,7 @@ def test_hints_that_cannot_be_are_one_line(qgeo: Qgeo, truth: np.ndarray, text: 
     assert not Path("qgeo-out").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["--partial", "--no-normalize"])
 def test_a_part(qgeo: Qgeo, loaded: Loaded, how: str) -> None:
     """Half of the body: said to be a part, or of the size of one where sizes count."""

@@ -70,6 +70,7 @@ def test_names_in_pictures_are_no_formulas(qgeo: Qgeo) -> None:
     assert "$x^$_$" in result.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="names that are no text are Linux's")
 def test_a_name_that_is_no_text(meshes: Path) -> None:
     name = b"caf\xe9"

@@ -123,6 +123,7 @@ def test_a_tidy_mesh_is_not_said_to_be_repaired(qgeo: Qgeo, loaded: Loaded) -> N
     assert "repaired" not in content["mesh"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "arguments", "per_vertex"),
     [
@@ -151,6 +152,7 @@ def test_each_command_takes_a_wrap(
         assert "--wrap is instead of" in refused.stderr
 
 
+@pytest.mark.slow
 def test_the_size_of_what_has_walls_inside_is_that_of_its_wrap(qgeo: Qgeo) -> None:
     vertices, faces = creature(level=2)
     qg.Surface(vertices, faces).write("x.off")

@@ -89,6 +89,7 @@ def test_vertices_without_a_partner_stay_near_their_neighbours():
     assert np.linalg.norm(same.vertices - there, axis=1)[lost].max() < 0.12 * np.sqrt(shape.area)
 
 
+@pytest.mark.slow
 def test_what_is_refused_is_put_onto_the_wrap_of_the_shape():
     """As the refusal advises; a sheet inside comes along, and how the pieces are turned does not matter."""
     vertices, faces = creature(level=3)

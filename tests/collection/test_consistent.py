@@ -34,6 +34,7 @@ def errors(maps: dict[tuple[str, str], BarycentricMap]) -> np.ndarray:
     return np.array(gaps)
 
 
+@pytest.mark.slow
 def test_maps_go_both_ways_and_agree(matched: qg.Collection) -> None:
     maps = matched.maps()
     assert set(maps) == {(x, y) for x in NAMES for y in NAMES if x != y}

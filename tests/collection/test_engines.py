@@ -147,6 +147,7 @@ def test_blocks_of_a_distance_matrix(store: Path, monkeypatch: pytest.MonkeyPatc
     )
 
 
+@pytest.mark.slow
 def test_a_full_disk_ends_the_run_and_keeps_what_is_finished(
     store: Path, expected: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

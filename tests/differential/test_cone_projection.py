@@ -9,6 +9,7 @@ from scipy.optimize import nnls
 from qgeo_filters.differential.cone_projection import projected_on_cones
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["wide", "narrow", "flat", "repeated", "with zeros", "all of space"])
 def test_as_non_negative_least_squares(kind: str) -> None:
     random = np.random.default_rng(3)

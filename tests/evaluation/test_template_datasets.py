@@ -184,6 +184,7 @@ def test_glued_children_go_to_the_one_at_rest(tmp_path: Path) -> None:
         data.truth("kid00", "kid01")
 
 
+@pytest.mark.slow
 def test_two_children_are_told_from_their_mirror_images(data_dir: Path) -> None:
     """The whole way on real files: truth at some vertices, left and right, a map that is nearer to the former."""
     folder = data_dir / "harder" / "kids_r"

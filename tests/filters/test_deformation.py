@@ -67,6 +67,7 @@ def test_a_mesh_that_no_surface_can_hold_is_moved_all_the_same() -> None:
     assert moved.vertices[-1].tolist() == [9, 9, 9]  # what is gone in the repair stays where it was
 
 
+@pytest.mark.slow
 def test_on_a_wrap_it_moves_what_was_given() -> None:
     """The map is that between wraps; what lies inside comes along, and each filter says what it cannot do there."""
     mesh = qg.Surface(*in_pieces(creature(level=3)))

@@ -112,6 +112,7 @@ def test_vertices_among_the_results_are_those_of_the_given_mesh() -> None:
     assert (found["qgeo_symmetry"][~here] == -1).all()
 
 
+@pytest.mark.slow
 def test_hints_of_a_correspondence_are_vertices_of_the_given_mesh() -> None:
     """As for match, and taken and refused as there: one on a crumb beside the surface, and one on a crumb far away."""
     vertices, faces = creature(level=2)
@@ -167,6 +168,7 @@ def test_a_refusal_that_repair_cannot_mend_is_the_filters_own() -> None:
     assert qg.QuasiGeodesicSpectrum(k=4)(icosphere(1)).n_vertices == 42
 
 
+@pytest.mark.slow
 def test_the_other_mesh_is_wrapped_too() -> None:
     """What is matched, or gives attributes, may be as raw as the mesh itself, alone and in a pipeline."""
     vertices, faces = creature(level=3)
@@ -203,6 +205,7 @@ def test_the_other_mesh_is_wrapped_too() -> None:
         step(x)  # what was repaired for a call is forgotten at the next one
 
 
+@pytest.mark.slow
 def test_a_repair_stands_for_the_other_mesh_that_was_given() -> None:
     """Vertices of the target are those that were given, of a repair and of a wrap."""
     x = qg.Surface(*creature(level=3))

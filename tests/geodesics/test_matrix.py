@@ -148,7 +148,6 @@ def test_interrupted_and_continued(
     assert len(computed) == -(-surface.n_vertices // 64)
 
 
-@pytest.mark.slow
 def test_killed_and_continued(tmp_path: Path) -> None:
     program = (
         "import sys, shapes; from qgeo_filters.surface import Surface; "

@@ -59,6 +59,7 @@ def test_what_is_refused_is_matched_as_a_wrap() -> None:
     assert np.isfinite(errors[known]).all()
 
 
+@pytest.mark.slow
 def test_what_has_no_partner_on_the_wraps_has_none() -> None:
     x, y, _ = pair()
     shapes = [qg.PreparedShape(mesh, repair="wrap") for mesh in (x, y)]
@@ -69,6 +70,7 @@ def test_what_has_no_partner_on_the_wraps_has_none() -> None:
     np.testing.assert_array_equal(part.p2p < 0, shapes[0].repair.map_back(np.where(some, -1, 0)) < 0)
 
 
+@pytest.mark.slow
 def test_the_other_shape_may_be_inside_out() -> None:
     x, _, _ = pair()
     vertices, faces = creature(level=3)
@@ -77,6 +79,7 @@ def test_the_other_shape_may_be_inside_out() -> None:
     np.testing.assert_array_equal(one.p2p, other.p2p)
 
 
+@pytest.mark.slow
 def test_errors_are_measured_on_the_wrap_that_was_matched(tmp_path: Path) -> None:
     x, y, places = pair(3)
     wraps = qg.wrap_surface(x), qg.wrap_surface(y, alpha=0.05)
@@ -99,6 +102,7 @@ def test_errors_are_measured_on_the_wrap_that_was_matched(tmp_path: Path) -> Non
     assert qg.match(closed, closed).wrap_y == 0
 
 
+@pytest.mark.slow
 def test_what_was_matched_is_not_wrapped_once_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its area and distances are known; of a result from a file they are found anew, the same bit for bit."""
     x, y = (qg.Surface(*mesh) for mesh in pair(3)[:2])
@@ -124,6 +128,7 @@ def test_what_was_matched_is_not_wrapped_once_more(tmp_path: Path, monkeypatch: 
     assert qg.match(closed, closed).around_x is None
 
 
+@pytest.mark.slow
 def test_a_wrap_of_another_size_stands_for_its_mesh() -> None:
     x, y, places = pair()
     coarser = qg.wrap_surface(x, alpha=0.04), qg.wrap_surface(y, alpha=0.04)
@@ -137,6 +142,7 @@ def test_a_wrap_of_another_size_stands_for_its_mesh() -> None:
     assert off.mean() < 0.02 * np.sqrt(qg.Surface(*creature(level=4)).area)
 
 
+@pytest.mark.slow
 def test_the_mirror_image_of_each_piece_is_found() -> None:
     x = in_pieces(creature(level=4))
     found = self_symmetry(x, repair="wrap")
@@ -179,6 +185,7 @@ def test_the_input_stays_as_it_is_and_attributes_come_along() -> None:
     np.testing.assert_array_equal(again.surface.vertices, wrap.surface.vertices)
 
 
+@pytest.mark.slow
 def test_openings_are_closed_up_to_the_size_that_is_asked_for() -> None:
     vertices, faces = icosphere(4)
     open_at_top = faces[vertices[faces].mean(axis=1)[:, 2] < 0.99]  # .14 of the radius
@@ -233,6 +240,7 @@ def test_faces_and_vertices_that_are_none_are_left_out() -> None:
     assert len(wrap.given.vertices) == 644
 
 
+@pytest.mark.slow
 def test_a_prepared_wrap_is_stored_and_restored() -> None:
     x, y, _ = pair(3)
     shape = qg.PreparedShape(x, repair="wrap").prepare()
@@ -291,6 +299,7 @@ def test_a_map_that_is_torn_leads_to_one_of_its_sides() -> None:
     assert gaps.mean() < 0.5 * wrap.surface.edge_lengths.mean()
 
 
+@pytest.mark.slow
 def test_a_symmetry_as_an_attribute_is_on_given_vertices() -> None:
     x = in_pieces(creature(level=4))
     found = qg.SelfSymmetry()(qg.Surface(*x), repair="wrap").attributes["qgeo_symmetry"]
@@ -299,6 +308,7 @@ def test_a_symmetry_as_an_attribute_is_on_given_vertices() -> None:
     assert np.linalg.norm(x[0][found[known]] - x[0][known] * [-1, 1, 1], axis=1).mean() < 0.05
 
 
+@pytest.mark.slow
 def test_maps_of_compatible_poses_are_between_given_vertices() -> None:
     x, y, places = pair()
     found = qg.compatibility([x, y], k=6, repair="wrap")

@@ -64,6 +64,7 @@ def test_the_orientation_over_some_triangles_is_that_over_all() -> None:
     assert kept.orientation == pytest.approx(orientation(x.unit, y.unit, np.arange(x.n_vertices)), abs=0.35)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("of_y", [True, False], ids=["symmetry of Y", "symmetry of X"])
 def test_the_twin_of_a_candidate_is_its_mirror_image(of_y: bool) -> None:
     x, y = pair().x, pair().y

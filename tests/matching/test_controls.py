@@ -90,6 +90,7 @@ def test_a_creature_without_left_and_right_has_no_symmetry(seed: int) -> None:
     assert_none(described(seed), "relates parts of different shape")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "strength"), [(4, 0.35), (7, 0.35), (8, 0.35), (2, 0.8)])
 def test_a_smooth_blob_without_left_and_right_has_no_symmetry(seed: int, strength: float) -> None:
     """Of the first ten of either strength two that are farthest from any mirror image, and two that are nearest."""
@@ -128,6 +129,7 @@ def test_the_cow_is_symmetric() -> None:
     assert abs((np.sign(v[away, 0]) * found.side[away]).mean()) > 0.97
 
 
+@pytest.mark.slow
 def test_different_creatures_are_not_matched_with_confidence() -> None:
     """Of the first pairs the one whose best map stood clearest of the others."""
     found = match(described(1, level=3), described(2, level=3))

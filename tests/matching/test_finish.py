@@ -18,6 +18,7 @@ from qgeo_filters.matching.smooth_shells import DenseMap
 from qgeo_filters.surface import Surface
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("with_handle", [True, False])
 def test_the_shape_with_fewer_handles_is_deformed(with_handle: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """And the map is right from either side."""

@@ -35,6 +35,7 @@ def test_motion_and_scale_change_nothing() -> None:
         assert (one == other).mean() > 0.99  # ties may fall either way
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turn", [0, 1, 2])
 def test_a_place_that_is_turned_round_is_turned_back(turn: int) -> None:
     placement = Placement(MatchProblem.of(body(), grown()), PartialParameters())
@@ -51,6 +52,7 @@ def test_a_place_that_is_turned_round_is_turned_back(turn: int) -> None:
     assert geodesic_error(best.map.p2p, np.arange(choice.x.n_vertices), choice.y.surface).mean() < 0.03
 
 
+@pytest.mark.slow
 def test_different_places_are_kept_the_cheapest_of_each_kind() -> None:
     choice = Placement(MatchProblem.of(body(), grown()), PartialParameters()).compared
     points = choice.x.fps[: choice.mapper.count]

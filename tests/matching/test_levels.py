@@ -86,6 +86,7 @@ def test_a_match_leaves_no_factorisation_behind() -> None:
     assert prepared(0.0).arap.n_factorised == prepared(0.0).fine.arap.n_factorised == 0
 
 
+@pytest.mark.slow
 def test_a_mirror_image_is_matched_as_one_at_full_resolution() -> None:
     vertices, faces = crooked(0)
     tiny = MatchingParameters(search_vertices=400, registration_vertices=500)

@@ -126,6 +126,7 @@ def test_a_wrong_map_gives_way_to_the_right_one() -> None:
     assert chosen.preview_cost is not None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("finer", ["X", "Y"])
 def test_shapes_may_have_other_numbers_of_vertices(finer: str) -> None:
     """Both ways, as where the first one leaves a doubt: below 2000 vertices there are no proxies of one size."""
@@ -143,6 +144,7 @@ def test_shapes_may_have_other_numbers_of_vertices(finer: str) -> None:
     assert best.end_cost < wrong.decision.best.end_cost
 
 
+@pytest.mark.slow
 def test_the_hand_that_was_found_is_kept() -> None:
     of = MatchProblem.of(body(0.8, 1.5), Surface(body(1.4, 0.7).vertices * [-1, 1, 1], body(1.4, 0.7).faces[:, ::-1]))
     asked = of.with_mirrored_y()
@@ -174,6 +176,7 @@ def test_what_is_far_from_isometric_is_not_clear_by_its_margin() -> None:
     assert error(of, with_limbs_matched(of, far).decision.best.dense.p2p) < 0.1
 
 
+@pytest.mark.slow
 def test_nothing_is_sought_without_a_symmetry() -> None:
     crooked = Surface(*limbed(DIRECTIONS[:4], (0.5, 0.3, 1.2, 0.9), 3))
     of = MatchProblem.of(crooked, crooked)

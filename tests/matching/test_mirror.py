@@ -63,6 +63,7 @@ def test_what_must_be_turned_over_is_turned_over() -> None:
     np.testing.assert_array_equal(same.p2p, np.arange(len(same.p2p)))
 
 
+@pytest.mark.slow
 def test_what_has_a_left_and_a_right_keeps_them_in_the_pose_that_it_has_in_a_mirror() -> None:
     """A woman who lifts her left arm is not the mirror image of one who lifts her right, though that fits better."""
     directions = ((0.0, 0.2, 1.0), (1.0, 0.3, 0.4), (-1.0, 0.3, 0.4), (0.6, 0.25, -1.0), (-0.6, 0.25, -1.0))

@@ -73,6 +73,7 @@ def test_one_landmark_says_which_place(place: str) -> None:
     assert found.landmark_errors[0] < 0.05
 
 
+@pytest.mark.slow
 def test_labels_say_it_too_and_sizes_need_not_count() -> None:
     part, body = front()[0], whole()
     truth = images("half turn")
@@ -102,6 +103,7 @@ def test_a_landmark_that_fits_nowhere_is_contradicted() -> None:
     assert found.landmark_errors[2] > 0.5
 
 
+@pytest.mark.slow
 def test_hints_on_a_part_that_is_only_found_by_auto() -> None:
     pair = (tip(0), int(images("half turn")[tip(0)]))
     found = qg.match(front()[0], whole(), landmarks=[pair])

@@ -92,6 +92,7 @@ def test_the_other_way_round(found: MatchResult, front: tuple[Surface, np.ndarra
     assert moved.max() < 2 * other.y.edge_lengths.max()
 
 
+@pytest.mark.slow
 def test_neither_numbering_nor_place_matters(found: MatchResult, front: tuple[Surface, np.ndarray]) -> None:
     part = front[0]
     random = np.random.default_rng(1)
@@ -107,6 +108,7 @@ def test_neither_numbering_nor_place_matters(found: MatchResult, front: tuple[Su
     np.testing.assert_array_equal(repeated.p2p, found.p2p)
 
 
+@pytest.mark.slow
 def test_a_part_of_another_size(front: tuple[Surface, np.ndarray]) -> None:
     """At nearly seven eighths of its size it would fit elsewhere; where sizes do not count its own is found."""
     part, truth = front
@@ -141,6 +143,7 @@ def test_sizes_say_who_is_a_part() -> None:
     assert matched_as_part(body, larger, True, normalize=True)
 
 
+@pytest.mark.slow
 def test_a_mirrored_part_is_not_trusted() -> None:
     """The mirror image of a part of something without a left and right fits nowhere."""
     body = Surface(*crooked(1))

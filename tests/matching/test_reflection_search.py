@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from shapes import creature
 
 import qgeo_filters as qg
@@ -16,6 +17,7 @@ from qgeo_filters.matching.reflection_search import chosen_reflection, is_doubtf
 COARSE = MatchingParameters(search_vertices=250, registration_vertices=500)
 
 
+@pytest.mark.slow
 def test_the_finer_search_is_that_of_a_shape_prepared_finer() -> None:
     """Bit for bit, on the same vertices; and the coarse one is another."""
     surface = qg.Surface(*creature())

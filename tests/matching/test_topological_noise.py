@@ -80,6 +80,7 @@ def test_a_wrong_map_gives_way_to_the_right_one(with_handle: bool, axis: int) ->
     assert 1 < better.decision.margin < np.inf
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("with_handle", [True, False])
 def test_the_wrong_way_up_is_found_out_though_nothing_else_is_proposed(
     with_handle: bool, monkeypatch: pytest.MonkeyPatch
@@ -93,6 +94,7 @@ def test_the_wrong_way_up_is_found_out_though_nothing_else_is_proposed(
     assert error(given, better.decision.best.dense.p2p) < 0.03
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("with_handle", [True, False])
 def test_a_right_map_stays_and_its_margin_can_only_shrink(with_handle: bool) -> None:
     given = problem(with_handle)
@@ -102,6 +104,7 @@ def test_a_right_map_stays_and_its_margin_can_only_shrink(with_handle: bool) -> 
     assert after.decision.margin <= right.decision.margin
 
 
+@pytest.mark.slow
 def test_nothing_is_sought_where_the_map_is_clear_or_the_shapes_have_as_many_handles() -> None:
     given = problem(True)
     seen = found(given, np.arange(body().n_vertices), given.parameters.grown_margin).decision
@@ -135,6 +138,7 @@ def test_a_boundary_nearer_than_a_shortcut_counts_as_before() -> None:
     assert reached.rim.min() == 0
 
 
+@pytest.mark.slow
 def test_the_search_keeps_to_the_hand_that_was_found() -> None:
     """Matched as a mirror image of Y, the better map is one onto that image, too."""
     mirrored = Surface(grown().vertices * [-1, 1, 1], grown().faces[:, ::-1])
@@ -146,6 +150,7 @@ def test_the_search_keeps_to_the_hand_that_was_found() -> None:
     assert error(given, better.decision.best.dense.p2p) < 0.03
 
 
+@pytest.mark.slow
 def test_what_hints_did_to_the_choice_is_known_of_places_too() -> None:
     end = int((body().vertices @ [0.0, -1.0, 0.3]).argmax())
     given = with_landmarks(False, (end, end))
@@ -208,6 +213,7 @@ def test_landmarks_where_surfaces_have_grown_together_speak_against_wrong_maps(w
     assert given.swapped().known.merged == -given.known.merged
 
 
+@pytest.mark.slow
 def test_places_that_are_found_without_hints_are_proposed_too() -> None:
     one, other = tips()
     given = with_landmarks(False, (one, other))  # the wrong limb

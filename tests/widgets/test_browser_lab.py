@@ -124,6 +124,7 @@ def test_compare_by_mouse(book, pair):
     assert book.python("print(len(_instances))") == "0"
 
 
+@pytest.mark.slow
 def test_matrix_by_mouse(book, pair):
     page = book.page
     book.show("w = qw.matrix(x)\nw")
@@ -141,6 +142,7 @@ def test_matrix_by_mouse(book, pair):
     tools.until(lambda: np.abs(tools.pixels(matrix) - first).mean() > 10)
 
 
+@pytest.mark.slow
 def test_geodesics_by_mouse(book, pair):
     x = pair[0]
     page = book.page
@@ -162,6 +164,7 @@ def test_geodesics_by_mouse(book, pair):
     assert float(book.python("print(w.path.length)")) > length
 
 
+@pytest.mark.slow
 def test_symmetry_by_mouse(book, lab):
     vertices, faces = shapes.icosphere(3)
     lumpy = vertices * (1 + 0.3 * vertices[:, 1:2] + 0.2 * vertices[:, 2:] ** 2)
@@ -206,6 +209,7 @@ def test_symmetry_by_mouse(book, lab):
     tools.until(lambda: np.abs(tools.pixels(front) - first).mean() > 0.5)
 
 
+@pytest.mark.slow
 def test_a_page_without_webgl_shows_a_picture_and_a_sentence(chromium, lab, pair):
     pair[0].write(lab.folder / "x.ply")
     browser = chromium.browser_type.launch(
@@ -221,6 +225,7 @@ def test_a_page_without_webgl_shows_a_picture_and_a_sentence(chromium, lab, pair
     browser.close()
 
 
+@pytest.mark.slow
 def test_an_animation_plays_while_the_kernel_is_busy(book):
     page = book.page
     book.show(
@@ -257,6 +262,7 @@ def test_an_animation_plays_while_the_kernel_is_busy(book):
     tools.until(lambda: np.abs(tools.pixels(canvas) - first).mean() < 0.1)
 
 
+@pytest.mark.slow
 def test_a_region_is_painted_by_dragging(books, pair):
     book = books("webgl")
     page = book.page
@@ -276,6 +282,7 @@ def test_a_region_is_painted_by_dragging(books, pair):
     book.python("w.close()")
 
 
+@pytest.mark.slow
 def test_limits_stay_what_they_were_set_to_and_a_lost_canvas_is_drawn_anew(books, pair):
     """The browser's slider has steps: it answered limits between them with its own, and all was drawn twice."""
     book = books("webgl")
@@ -305,6 +312,7 @@ def test_limits_stay_what_they_were_set_to_and_a_lost_canvas_is_drawn_anew(books
     book.python("w.close()\ndel sent")
 
 
+@pytest.mark.slow
 def test_on_a_telephone_nothing_is_cut_off_and_a_finger_turns(chromium, lab, pair):
     x, y, where = pair
     x.write(lab.folder / "x.ply")

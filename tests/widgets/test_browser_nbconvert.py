@@ -31,6 +31,7 @@ def path(pair, tmp_path_factory):
     return folder / "book.html"
 
 
+@pytest.mark.slow
 def test_the_picture_and_the_embedded_page_are_there_without_a_network(chromium, path):
     context = chromium.new_context(viewport={"width": 1100, "height": 900}, offline=True)
     page = context.new_page()

@@ -9,6 +9,7 @@ import pytest
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 
+@pytest.mark.slow
 def test_compare_in_notebook_7(page, pair, tmp_path):
     notebook = pytest.importorskip("notebook", minversion="7", reason="needs notebook 7")
     assert notebook

@@ -147,6 +147,7 @@ def test_rows_on_a_page_of_a_large_shape_are_those_of_the_vertices_that_are_draw
     widget.close()
 
 
+@pytest.mark.slow
 @pytest.mark.browser
 def test_a_click_on_a_page_of_large_shapes_marks_the_partner(large, tmp_path, offline):
     x, y, where = large
@@ -183,6 +184,7 @@ def test_names_cannot_break_the_page(pair, tmp_path):
     widget.close()
 
 
+@pytest.mark.slow
 @pytest.mark.browser
 def test_compare_page_turns_both_views_picks_partners_and_switches_modes(pair, tmp_path, offline):
     x, y, where = pair
@@ -262,6 +264,7 @@ def test_a_page_that_cannot_draw_says_so_and_shows_the_still_picture(pair, tmp_p
     assert not page.locator("#controls").is_visible()
 
 
+@pytest.mark.slow
 @pytest.mark.browser
 def test_a_click_on_a_page_takes_the_exported_pick_away(pair, tmp_path, offline):
     x, y, where = pair
@@ -290,6 +293,7 @@ def test_a_click_on_a_page_takes_the_exported_pick_away(pair, tmp_path, offline)
     assert not info
 
 
+@pytest.mark.slow
 @pytest.mark.browser
 def test_regions_of_a_page_do_not_mix_their_colors(pair, tmp_path, offline):
     """Light is white: all that it makes of a colour has the colour's ratios of red, green and blue."""
@@ -372,6 +376,7 @@ def test_a_page_of_an_animation_holds_each_frame_once(pair, tmp_path):
     widget.close()
 
 
+@pytest.mark.slow
 @pytest.mark.browser
 def test_animation_page_plays_both_shapes_at_one_time(pair, tmp_path, offline):
     walk = growing(pair[0])

@@ -88,6 +88,7 @@ def _document(pair, kind: str) -> str:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "more"),
     [("blob", ""), ("data", ""), ("blob", "; sandbox allow-scripts")],

@@ -9,6 +9,7 @@ import pytest
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 
+@pytest.mark.slow
 def test_compare_in_voila(page, pair, tmp_path):
     pytest.importorskip("voila", reason="needs voila")
     x, y, where = pair

@@ -79,6 +79,7 @@ def test_what_is_painted_on_one_shape_is_seen_on_both(pair):
     widget.close()
 
 
+@pytest.mark.slow
 def test_the_checkerboard_is_carried_and_pictured(pair, tmp_path):
     x, y, where = pair
     widget = qw.compare(x, y, p2p=where)

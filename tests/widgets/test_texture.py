@@ -132,6 +132,7 @@ def test_it_is_carried_to_each_vertex_and_seen_in_the_snapshot(pair, photo):
     widget.close()
 
 
+@pytest.mark.slow
 @pytest.mark.browser
 def test_the_page_shows_what_the_snapshot_shows(pair, photo, tmp_path, page):
     """The texture where there are partners, and grey, up to the border of its triangles, where there are none."""
