@@ -220,7 +220,8 @@ def _prepare(problem: MatchProblem) -> None:
 
     def prepared(name: str) -> None:
         with concerning(name):
-            shapes[name].prepare()
+            # One each way: distances leave the interpreter's lock free, which a solver of eigenpairs holds.
+            shapes[name].prepare(laplacian_first=name == "Y")
 
     concurrently(prepared, shapes)
 

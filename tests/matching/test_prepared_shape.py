@@ -133,6 +133,13 @@ def test_the_first_eigenfunctions_are_exact_and_the_last_good(surface: Surface) 
         assert np.linalg.norm(beyond, 2) < sine
 
 
+def test_nothing_depends_on_what_is_computed_first(surface: Surface) -> None:
+    one, other = PreparedShape(surface).prepare(), PreparedShape(surface).prepare(laplacian_first=True)
+    for name in ("fps", "fps_distances", "laplacian", "log_hks", "smoothed_mean_curvature", "relief"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+    np.testing.assert_array_equal(one.spectrum.eigenfunctions, other.spectrum.eigenfunctions)
+
+
 def test_shapes_of_different_size_are_refused_before_any_distance(surface: Surface, spy: Spy) -> None:
     larger = surface.with_vertices(2 * surface.vertices)
     with pytest.raises(ValueError, match=r"the areas of X and Y are .* normalize=True"):
