@@ -31,7 +31,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     """``--thorough``: the tests, too, that the gate has no time for."""
     parser.addoption("--thorough", action="store_true", help="also all tests that are marked slow or thorough")
     parser.addoption(
-        "--third", type=int, choices=(0, 1, 2), help="the third of the slow tests that a run of all tests takes"
+        "--quarter", type=int, choices=(0, 1, 2, 3), help="the quarter of the slow tests that a run of all tests takes"
     )
 
 
@@ -39,11 +39,11 @@ def pytest_report_header(config: pytest.Config) -> str:
     """Which of the slow tests are run."""
     if config.getoption("--thorough") or not _takes_all_files(config):
         return "slow tests: all that are named"
-    return f"slow tests: --third={_third(config)} (--thorough runs all of them)"
+    return f"slow tests: --quarter={_quarter(config)} (--thorough runs all of them)"
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out thorough tests that nobody asked for, and two of three slow ones; begin with files that take long."""
+    """Leave out thorough tests that nobody asked for, and three of four slow ones; begin with files that take long."""
     slow = sorted((item for item in items if item.get_closest_marker("slow")), key=lambda item: item.nodeid)
     if not config.getoption("--thorough"):
         named = [arg for arg in config.args if "::" in arg]
@@ -54,8 +54,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         }
         if _takes_all_files(config):
             slow = [item for item in slow if item not in left_out]
-            third = _third(config)
-            left_out.update(item for place, item in enumerate(slow) if place % 3 != third)
+            quarter = _quarter(config)
+            left_out.update(item for place, item in enumerate(slow) if place % 4 != quarter)
         config.hook.pytest_deselected(items=list(left_out))
         items[:] = [item for item in items if item not in left_out]
     # Files are handed out in this order; what takes long must not be what one process does while another has done.
@@ -67,13 +67,13 @@ def _takes_all_files(config: pytest.Config) -> bool:
     return [Path(config.invocation_params.dir, arg).resolve() for arg in config.args] == [ROOT / "tests"]
 
 
-def _third(config: pytest.Config) -> int:
+def _quarter(config: pytest.Config) -> int:
     """That which was asked for, or that of the commit: the next commit sees others."""
-    asked = config.getoption("--third")
+    asked = config.getoption("--quarter")
     if asked is not None:
         return int(asked)
     git = subprocess.run(["git", "rev-parse", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=False)
-    return int(git.stdout, 16) % 3 if git.returncode == 0 else 0
+    return int(git.stdout, 16) % 4 if git.returncode == 0 else 0
 
 
 def pytest_collection_finish() -> None:

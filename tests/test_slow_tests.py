@@ -1,4 +1,4 @@
-"""A run of all tests takes a third of those that are marked slow; what is named is run whole."""
+"""A run of all tests takes a quarter of those that are marked slow; what is named is run whole."""
 
 from __future__ import annotations
 
@@ -50,18 +50,18 @@ def collected(project: Path, *options: str) -> list[str]:
     return [line.removeprefix("tests/") for line in done.stdout.splitlines() if "::" in line]
 
 
-def test_three_runs_take_each_slow_test_once(project: Path) -> None:
-    thirds = [collected(project, f"--third={third}") for third in range(3)]
-    slow = [name for third in thirds for name in third if "slow" in name]
+def test_four_runs_take_each_slow_test_once(project: Path) -> None:
+    quarters = [collected(project, f"--quarter={quarter}") for quarter in range(4)]
+    slow = [name for quarter in quarters for name in quarter if "slow" in name]
     assert sorted(slow) == [f"test_b.py::test_slow[{n}]" for n in range(7)]
-    assert {sum("slow" in name for name in third) for third in thirds} == {2, 3}
-    assert all({"test_a.py::test_quick", "test_b.py::test_quick"} <= set(third) for third in thirds)
+    assert {sum("slow" in name for name in quarter) for quarter in quarters} == {1, 2}
+    assert all({"test_a.py::test_quick", "test_b.py::test_quick"} <= set(quarter) for quarter in quarters)
     # What takes long is begun with.
-    assert thirds[0][-1] == "test_a.py::test_quick"
+    assert quarters[0][-1] == "test_a.py::test_quick"
 
 
 def test_what_is_named_is_run_whole_and_all_if_asked(project: Path) -> None:
     assert sum("slow" in name for name in collected(project, "tests/test_b.py")) == 7
     assert collected(project, "tests/test_b.py::test_thorough") == ["test_b.py::test_thorough"]
     assert len(collected(project, "--thorough")) == 2 + 7 + 1
-    assert collected(project) == collected(project, "--third=0")  # without a commit
+    assert collected(project) == collected(project, "--quarter=0")  # without a commit
