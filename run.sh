@@ -2,7 +2,7 @@
 # Sets up what is missing (system libraries, a virtual environment in .venv) and runs one of:
 #   demo [OPTIONS]   the main job on a real mesh: qgeo demo
 #   test [OPTIONS]   lint, types and tests; options go to pytest
-#   coverage         all tests, and how much of the code they ran: a quarter longer, so not part of the gate
+#   coverage         the tests of the gate, and how much of the code they ran: a quarter longer, so not part of the gate
 #   dist             wheel and source distribution, checked, and the wheel used in bare environments: a few minutes
 #   oldest [TESTS]   some tests on the lowest versions that pyproject.toml admits, in an environment of their own
 #   docs [OPTIONS]   the pages of docs/, into docs/_build/html; options go to Sphinx (-D plot_gallery=0 runs no example)

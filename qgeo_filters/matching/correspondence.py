@@ -220,8 +220,10 @@ def _prepare(problem: MatchProblem) -> None:
 
     def prepared(name: str) -> None:
         with concerning(name):
-            # One each way: distances leave the interpreter's lock free, which a solver of eigenpairs holds.
-            shapes[name].prepare(laplacian_first=name == "Y")
+            if name == "Y":
+                # Not distances first in both: these leave the interpreter's lock free, a solver of eigenpairs holds it.
+                _ = shapes[name].laplacian
+            shapes[name].prepare()
 
     concurrently(prepared, shapes)
 

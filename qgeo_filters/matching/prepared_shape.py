@@ -128,17 +128,9 @@ class PreparedShape(Level):
             return shape
         return cls(shape, parameters=parameters, repair=repair, progress=progress)
 
-    def prepare(self, *, laplacian_first: bool = False) -> PreparedShape:
-        """The same shape, with everything that matching takes from it computed now.
-
-        Parameters
-        ----------
-        laplacian_first : bool
-            Whether the spectrum of the Laplacian comes before the distances. Nothing but time depends on it.
-        """
+    def prepare(self) -> PreparedShape:
+        """The same shape, with everything that matching takes from it computed now."""
         # Cached properties: looking at one computes it.
-        if laplacian_first:
-            _ = self.laplacian
         _ = self.spectrum, self.fps_distances, self.laplacian, self.log_hks, self.smoothed_mean_curvature, self.relief
         _ = self.normals, self.fine.normals, self.fine.laplacian
         return self

@@ -184,7 +184,6 @@ def test_names_cannot_break_the_page(pair, tmp_path):
     widget.close()
 
 
-@pytest.mark.slow
 @pytest.mark.browser
 def test_compare_page_turns_both_views_picks_partners_and_switches_modes(pair, tmp_path, offline):
     x, y, where = pair
