@@ -44,7 +44,7 @@ def robust_to_shortcuts(problem: MatchProblem, found: Found, given: PartialParam
     """
     if not problem.more_handles or _is_clear(problem, found.decision):
         return found
-    chosen = PartialParameters() if given is None else given
+    chosen = PartialParameters.of_grown_surfaces() if given is None else given
     asked = problem.with_mirrored_y() if found.mirrored else problem
     turned = asked.more_handles > 0
     way = asked.swapped() if turned else asked  # from the shape that has not grown together

@@ -38,7 +38,7 @@ def test_motion_and_scale_change_nothing() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("turn", [0, 1, 2])
 def test_a_place_that_is_turned_round_is_turned_back(turn: int) -> None:
-    placement = Placement(MatchProblem.of(body(), grown()), PartialParameters())
+    placement = Placement(MatchProblem.of(body(), grown()), PartialParameters.of_grown_surfaces())
     choice = placement.compared
     points = choice.x.fps[: choice.mapper.count]
     images = half_turns(choice.x.vertices, choice.x.areas)[turn][points]
@@ -54,7 +54,7 @@ def test_a_place_that_is_turned_round_is_turned_back(turn: int) -> None:
 
 @pytest.mark.slow
 def test_different_places_are_kept_the_cheapest_of_each_kind() -> None:
-    choice = Placement(MatchProblem.of(body(), grown()), PartialParameters()).compared
+    choice = Placement(MatchProblem.of(body(), grown()), PartialParameters.of_grown_surfaces()).compared
     points = choice.x.fps[: choice.mapper.count]
     turned = half_turns(choice.x.vertices, choice.x.areas)[0][points]
     right, again, wrong = choice.placed([(choice.proposed(p, "a test"), p) for p in (points, points, turned)])

@@ -21,7 +21,7 @@ LIMB = 0
 def placement() -> Placement:
     vertices, faces = creature()
     y = Surface(bent(vertices, 0.3), faces)
-    return Placement(MatchProblem.of(Surface(vertices, faces), y), PartialParameters())
+    return Placement(MatchProblem.of(Surface(vertices, faces), y), PartialParameters.of_grown_surfaces())
 
 
 @pytest.fixture(scope="module")

@@ -155,7 +155,7 @@ def test_what_hints_did_to_the_choice_is_known_of_places_too() -> None:
     end = int((body().vertices @ [0.0, -1.0, 0.3]).argmax())
     given = with_landmarks(False, (end, end))
     # Turned places may agree with the landmark.
-    better = robust_to_shortcuts(given, found(given, turned_about(2), 1.2), PartialParameters(turned=0))
+    better = robust_to_shortcuts(given, found(given, turned_about(2), 1.2), replace(PartialParameters.of_grown_surfaces(), turned=0))
     assert error(given, better.decision.best.dense.p2p) < 0.03
     assert better.decision.unhinted < better.decision.margin  # its rivals contradict the landmark, which is right
 
@@ -217,7 +217,7 @@ def test_landmarks_where_surfaces_have_grown_together_speak_against_wrong_maps(w
 def test_places_that_are_found_without_hints_are_proposed_too() -> None:
     one, other = tips()
     given = with_landmarks(False, (one, other))  # the wrong limb
-    hinted, free = (Placement(of, PartialParameters()) for of in (given, given.with_known(None)))
+    hinted, free = (Placement(of, PartialParameters.of_grown_surfaces()) for of in (given, given.with_known(None)))
     proposed = [p2p for _, p2p in hinted.proposed()]
     same = PartialParameters().same
     for _, p2p in free.proposed():

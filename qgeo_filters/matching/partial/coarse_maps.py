@@ -68,7 +68,9 @@ class CoarseMapper:
                 given.within_bounds,
                 given.pair_cap,
             )
-            images = (costs + self.alone).argmin(axis=1)
+            before, images = images, (costs + self.alone).argmin(axis=1)
+            if np.array_equal(before, images):
+                break
             some = np.arange(self.count)
         distortion = mean_violation(
             self.least, self.most, self.between[np.ix_(images, images)], given.within_bounds, given.pair_cap

