@@ -122,9 +122,8 @@ def places(table: Table, pairs: Iterator[tuple[str, qg.Surface, qg.Surface, np.n
     for name, surface, target, truth in pairs:
         y = clean.setdefault(id(target), qg.PreparedShape(target))
         x = qg.PreparedShape(surface)
-        placement = Placement(
-            MatchProblem.of(y, x), PartialParameters.of_grown_surfaces()
-        )  # from the one without handles
+        back = MatchProblem.of(y, x)  # from the one without handles
+        placement = Placement(back, PartialParameters.of_grown_surfaces())
         left = np.arange(len(truth)) if x.repair is None else x.repair.vertex_of_original
         known = np.flatnonzero((truth >= 0) & (left >= 0))
         nearest = cKDTree(target.vertices[truth[known]]).query(target.vertices[y.full_vertices])[1]

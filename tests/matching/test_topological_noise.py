@@ -155,7 +155,8 @@ def test_what_hints_did_to_the_choice_is_known_of_places_too() -> None:
     end = int((body().vertices @ [0.0, -1.0, 0.3]).argmax())
     given = with_landmarks(False, (end, end))
     # Turned places may agree with the landmark.
-    better = robust_to_shortcuts(given, found(given, turned_about(2), 1.2), replace(PartialParameters.of_grown_surfaces(), turned=0))
+    chosen = replace(PartialParameters.of_grown_surfaces(), turned=0)
+    better = robust_to_shortcuts(given, found(given, turned_about(2), 1.2), chosen)
     assert error(given, better.decision.best.dense.p2p) < 0.03
     assert better.decision.unhinted < better.decision.margin  # its rivals contradict the landmark, which is right
 

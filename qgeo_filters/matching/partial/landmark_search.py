@@ -46,7 +46,7 @@ def landmark_maps(x: PartShape, y: PartShape, descriptors: SingleArray, hints: S
         added = added_costs(least[i, :i], most[i, :i], between, chosen, given.within_bounds, given.pair_cap)
         # Each landmark counts as much as the other, however many pairs it is in.
         total = costs[:, None] + alone[i] + added * (min(1.0, 2.0 / i) if i > 2 else 1.0)
-        order = _least(total.ravel(), given.beam)
+        order = least_costs(total.ravel(), given.beam)
         chosen = np.column_stack([chosen[order // targets], order % targets])
         costs = total.ravel()[order]
         if i > 1:
@@ -56,7 +56,7 @@ def landmark_maps(x: PartShape, y: PartShape, descriptors: SingleArray, hints: S
     return LandmarkMaps(chosen[kept], costs[kept])
 
 
-def _least(costs: FloatArray, count: int) -> IndexArray:
+def least_costs(costs: FloatArray, count: int) -> IndexArray:
     """Places of so many least costs, in order; of equal ones the first."""
     if count >= len(costs):
         return np.argsort(costs, kind="stable")

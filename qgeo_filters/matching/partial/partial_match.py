@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from qgeo_filters._typing import FloatArray, PartialOption
 from qgeo_filters.errors import ParameterError
-from qgeo_filters.matching.hints import Hints
-from qgeo_filters.matching.known_parts import KnownParts
 from qgeo_filters.matching.maps.functional_map import functional_map
 from qgeo_filters.matching.match_log import MatchLog
 from qgeo_filters.matching.match_result import MatchResult
 from qgeo_filters.matching.parameters import MatchingParameters
-from qgeo_filters.matching.partial.distance_bounds import distance_bounds, violations
+from qgeo_filters.matching.partial.distance_bounds import violations
 from qgeo_filters.matching.partial.overlap import Overlap, in_faces_of, overlap
-from qgeo_filters.matching.partial.part_choice import PartChoice, PartDecision, PlacedPart, images_apart
-from qgeo_filters.matching.partial.part_hints import known_of_part, resized
+from qgeo_filters.matching.partial.part_choice import PartDecision
+from qgeo_filters.matching.partial.part_pair import PartPair
 from qgeo_filters.matching.partial.part_registration import PartMap
 from qgeo_filters.matching.partial.part_shape import PartShape
+from qgeo_filters.matching.partial.part_sizes import decided
 from qgeo_filters.matching.partial.part_verdict import part_verdict
 from qgeo_filters.matching.partial.partial_parameters import PartialParameters
-from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.matching.verdict import with_hints, with_sides
 from qgeo_filters.surface import Surface
@@ -59,8 +57,8 @@ def partial_match(
     chosen = PartialParameters() if given is None else given
     x_is_part = part_is_x(problem.x.full, problem.y.full)
     part, whole = (problem.x, problem.y) if x_is_part else (problem.y, problem.x)
-    pair = _Pair.of(part, whole, chosen, problem.hints, 0 if x_is_part else 1)
-    pair, decision = _decided(pair, problem.log, normalize)
+    pair = PartPair.of(part, whole, chosen, problem.hints, 0 if x_is_part else 1)
+    pair, decision = decided(pair, problem.log, normalize)
     return _described(problem, pair, decision, x_is_part)
 
 
@@ -122,87 +120,7 @@ def part_is_x(x: Surface, y: Surface) -> bool:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Pair:
-    """Both shapes in units of sqrt(area) of the whole, and what is known of the part's place."""
-
-    part: PartShape
-    whole: PartShape
-    known: KnownParts | None
-
-    @classmethod
-    def of(
-        cls, part: PreparedShape, whole: PreparedShape, given: PartialParameters, hints: Hints | None, side: int
-    ) -> _Pair:
-        unit = float(np.sqrt(whole.full.area))
-        shapes = (
-            PartShape(part.oriented, unit, given.part_vertices, given.part_points, given),
-            PartShape(whole.oriented, unit, given.whole_vertices, given.whole_points, given),
-        )
-        return cls(*shapes, known_of_part(hints, (part, whole), shapes, side) if hints else None)
-
-    def resized(self, ratio: float) -> _Pair:
-        """The same, the part so many times as large."""
-        return _Pair(self.part.resized(ratio), self.whole, resized(self.known, ratio) if self.known else None)
-
-
-@dataclass(frozen=True, eq=False)
-class _Sized:
-    """Places of a part of some size, the cheapest first, with a log of their own."""
-
-    pair: _Pair
-    choice: PartChoice
-    places: list[PlacedPart]
-
-    @classmethod
-    def of(cls, pair: _Pair, log: MatchLog) -> _Sized:
-        choice = PartChoice(pair.part, pair.whole, log, pair.known)
-        return cls(pair, choice, choice.places())
-
-    @property
-    def cost(self) -> float:
-        return self.places[0].cost
-
-    @property
-    def relative_size(self) -> float:
-        """How many times the part's size its image has, by distances that no cut has changed; 1 if there are none."""
-        part, whole, p2p = self.pair.part, self.pair.whole, self.places[0].map.p2p
-        points = part.fps[: part.given.coarse_points]
-        least, most = distance_bounds(part, len(points))
-        place = whole.rows[:, p2p[points]].argmin(axis=0)
-        there = whole.rows[place][:, p2p[points]]
-        told = (least >= most) & (most > part.given.least_distance)
-        return float(np.median(there[told] / most[told])) if told.any() else 1.0
-
-
-def _decided(pair: _Pair, log: MatchLog, normalize: bool) -> tuple[_Pair, PartDecision]:
-    """The cheapest place of the part; at several sizes, if sizes do not count, and at the one that distances tell.
-
-    The margin is also that over different places at other sizes.
-    """
-    if not normalize:
-        only = _Sized.of(pair, log)
-        return pair, only.choice.decide(only.places)
-    given = pair.part.given
-    possible = (size for size in given.sizes if size == 1 or pair.part.area * size**2 < given.most_area)
-    tried = [_Sized.of(pair.resized(size), MatchLog()) for size in possible]
-    best = min(tried, key=lambda t: t.cost)
-    size = best.relative_size
-    if abs(np.log(size)) > np.log(given.same_size):
-        tried.append(_Sized.of(best.pair.resized(size), MatchLog()))
-        best = min(tried, key=lambda t: t.cost)
-    decision = best.choice.decide(best.places)
-    log.maps = best.choice.log.maps
-    here = decision.best.map.p2p
-    apart = [t.places[0] for t in tried if images_apart(pair.whole, t.places[0].map.p2p, here) > given.apart]
-    rival = min(apart, key=lambda p: p.cost, default=None)
-    # Neither has come to rest.
-    if rival is not None and rival.cost < decision.margin * best.cost:
-        decision = replace(decision, margin=rival.cost / best.cost, runner_up=rival.distortion)
-    return best.pair, decision
-
-
-def _described(problem: MatchProblem, pair: _Pair, decision: PartDecision, x_is_part: bool) -> MatchResult:
+def _described(problem: MatchProblem, pair: PartPair, decision: PartDecision, x_is_part: bool) -> MatchResult:
     part, whole, best = pair.part, pair.whole, decision.best
     found = overlap(part, whole, best.map)
     distortion = part.proxy.pulled_back(_distortion(part, whole, best.map.p2p))
@@ -254,7 +172,7 @@ def _described(problem: MatchProblem, pair: _Pair, decision: PartDecision, x_is_
     )
 
 
-def _landmark_errors(pair: _Pair, found: PartMap, x_is_part: bool) -> FloatArray:
+def _landmark_errors(pair: PartPair, found: PartMap, x_is_part: bool) -> FloatArray:
     """Distance (k,) on Y between the image of each landmark and its partner, in sqrt(area of Y)."""
     if pair.known is None:
         return np.zeros(0)
