@@ -36,6 +36,7 @@ from qgeo_filters.matching.partial.part_choice import PartChoice
 from qgeo_filters.matching.partial.part_pair import PartPair
 from qgeo_filters.matching.partial.partial_match import partial_match
 from qgeo_filters.matching.partial.partial_parameters import PartialParameters
+from qgeo_filters.matching.prepared_shape import PreparedShape
 from qgeo_filters.matching.problem import MatchProblem
 from qgeo_filters.surface import Surface
 
@@ -143,7 +144,8 @@ def _row(table: Table, name: str, cases: list[Case], given: PartialParameters, c
     for case in cases:
         start = time.process_time()
         # Cuts leave corners that hang by a vertex.
-        problem = MatchProblem.of(case.part, case.whole, repair="force", landmarks=_landmarks(case, count))
+        part = PreparedShape(case.part, repair="force")
+        problem = MatchProblem.of(part, case.whole, landmarks=_landmarks(case, part, count))
         found = partial_match(problem, given=given)
         seconds.append(time.process_time() - start)
         origin = np.arange(len(case.truth)) if problem.x.repair is None else problem.x.repair.origin
@@ -191,9 +193,10 @@ def _true_images(case: Case, problem: MatchProblem, pair: PartPair) -> np.ndarra
     return cKDTree(whole.vertices).query(there)[1].astype(np.int64)
 
 
-def _landmarks(case: Case, count: int) -> list[tuple[int, int]] | None:
-    """Points of truth that are farthest from each other, in space; None for none."""
-    known = np.flatnonzero(case.truth >= 0)
+def _landmarks(case: Case, part: PreparedShape, count: int) -> list[tuple[int, int]] | None:
+    """Points of truth that are farthest from each other, in space, of what a repair leaves; None for none."""
+    left = np.arange(len(case.truth)) if part.repair is None else np.unique(part.repair.origin)
+    known = left[case.truth[left] >= 0]
     places = case.part.vertices[known]
     chosen, nearest = [], np.linalg.norm(places - places.mean(axis=0), axis=1)
     for _ in range(count):
