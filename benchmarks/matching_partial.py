@@ -72,7 +72,7 @@ def main(record: Record) -> None:
     print(f"{machine()}\n")
     counts = ("right", "sure", "sure and wrong", "overlap, IoU", "CPU s")
     what = ("within bounds", "landmarks", "cases", "share of the area", "mean error", "median")
-    table = record.table("", "set", *what, *counts, align="l" + 11 * "r")
+    table = record.table("parts" if arguments.truth else "", "set", *what, *counts, align="l" + 11 * "r")
     beside = (
         "set",
         "cases",
