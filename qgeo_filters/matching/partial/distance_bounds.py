@@ -34,7 +34,7 @@ def distance_bounds(shape: PartShape, count: int) -> tuple[SingleArray, SingleAr
 @inner
 def _violation(least: np.float32, most: np.float32, there: np.float32, within: np.float32, cap: np.float32) -> Any:
     """How far a distance lies outside its bounds, and a little for what it is short of the upper one."""
-    # Without branches, and in single precision throughout: the loops that call this are vectorised, five times as fast.
+    # Without branches, and in single precision throughout: the loops that call this are vectorised.
     beyond = max(there - most, np.float32(0)) + max(least - there, np.float32(0))
     return min(beyond + within * abs(most - there), cap)
 
