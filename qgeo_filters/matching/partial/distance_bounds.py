@@ -12,8 +12,6 @@ matching", NeurIPS 2024: pairs of points whose distance a cut cannot have change
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 
@@ -32,7 +30,9 @@ def distance_bounds(shape: PartShape, count: int) -> tuple[SingleArray, SingleAr
 
 
 @inner
-def _violation(least: np.float32, most: np.float32, there: np.float32, within: np.float32, cap: np.float32) -> Any:
+def _violation(
+    least: np.float32, most: np.float32, there: np.float32, within: np.float32, cap: np.float32
+) -> np.float32:
     """How far a distance lies outside its bounds, and a little for what it is short of the upper one."""
     # Without branches, and in single precision throughout: the loops that call this are vectorised.
     beyond = max(there - most, np.float32(0)) + max(least - there, np.float32(0))

@@ -1,4 +1,4 @@
-"""The size of a part: several are tried where sizes do not count, and the one at which it strains least is taken."""
+"""The size of a part: where sizes do not count, several are tried, and the cheapest place of all is taken."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ class SizedPart:
 
     @property
     def cost(self) -> float:
+        """What the cheapest place costs, before it comes to rest."""
         return self.places[0].cost
 
     @property

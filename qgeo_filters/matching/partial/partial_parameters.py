@@ -72,7 +72,7 @@ class PartialParameters:
     registered: int = 8
     registered_ratio: float = 2.0
     registered_slack: float = 0.004
-    #: Orientation below which a coarse map reverses that of the surface (right ones of a hand have as little as 0).
+    #: Orientation below which a coarse map reverses that of the surface (right ones of a hand have -.04 to .08).
     keeps_orientation: float = -0.1
     #: Weight of descriptors against distortion where coarse maps are ranked.
     unlikeness_weight: float = 0.1
@@ -102,9 +102,8 @@ class PartialParameters:
     least_folded: float = 1e-2
     least_unlikeness: float = 0.02
     least_distortion: float = 0.01
-    #: Powers of these in what a place costs: strain, torn edges, folded area, descriptors, distortion. The true place
-    #: strains less than a wrong one, always, but keeps distances worse, of 104 cuts in nine of ten: they were what the
-    #: search went by, and poses change them.
+    #: Powers of these in what a place costs, in this order. The true place strains less than a wrong one, always, but
+    #: keeps distances worse, mostly: the search went by them, and poses change them (`matching_partial.py --truth`).
     cost_powers: tuple[float, float, float, float, float] = (1.0, 0.0, 0.5, 1.0, 0.0)
 
     # -- a surface that has grown together ------------------------------------------------------------------
@@ -144,8 +143,9 @@ class PartialParameters:
     least_area: float = 0.1
     #: A shape with more of the area is not tried as a part unless it is said to be one.
     most_area: float = 0.95
-    #: Of 100 right maps of cuts nine in ten have up to .05, .46 and more, up to .5, up to .015, up to .096, and 1.13
-    #: and more; of four wrong ones three have .083 and more of unlike surroundings, the other a margin of 1.04.
+    #: Of 100 right maps of cuts nine in ten distort by up to .05, keep the orientation by .52 and more, strain up to
+    #: .42, fold up to .007, have surroundings up to .09 unlike, and a margin of 1.2 and more. Of four wrong ones three
+    #: have .083 and more of unlike surroundings, the other a margin of 1.04.
     near_isometric: float = 0.06
     settled_orientation: float = 0.3
     settled_strain: float = 0.6
@@ -156,7 +156,7 @@ class PartialParameters:
 
     @classmethod
     def of_grown_surfaces(cls) -> PartialParameters:
-        """Those for a surface that has grown together, where there is no rim and cuts shorten no distances.
+        """Those for a surface that has grown together, which has no rim that would tell what distances are bounded by.
 
         By the parameters of cuts one of the four merged children comes out wrong that is nearly right by these (.65
         instead of .15; `benchmarks/topological_noise.py`).
